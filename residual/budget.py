@@ -21,7 +21,7 @@ and the momentum balance, the run's own forces in place of the law, is different
 """
 
 from types import SimpleNamespace
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from lagrange.equations import Overlaps, approaches, contact_resultant, error_fo
 from lagrange.load_history import load_share
 from lagrange.motion import State, TiltedContacts, Tilts, hub_slope_equations, hub_tilt, tilt_equations
 from residual.laws import Identification, Law, inner_law, moment_resultant, sliced
-from residual.record import Held, Pair, Record
+from residual.record import Held, Record
 from residual.spectrum import Statistics, derivative, rms
 
 # terms that the run's own forces account for: without them the error is the momentum balance
@@ -38,17 +38,16 @@ ACCOUNTED = ("contact_law", "damping", "friction", "cage", "load_and_weight")
 
 
 class Accelerations(NamedTuple):
-    """From positions, along x and y; each (n_times,), m/s², and a velocity, m/s."""
+    """From positions, along x and y, (2, n_times), m/s²; and a velocity, m/s."""
 
-    hub: Pair  # relative to the outer ring
-    outer_ring: tuple[Held, Held] = (None, None)  # None: it stands still
-    velocity: tuple[np.ndarray | float, np.ndarray | float] = (0.0, 0.0)  # of the hub in the fixed frame
+    hub: np.ndarray  # relative to the outer ring
+    outer_ring: Held  # None: it stands still
+    velocity: np.ndarray  # of the hub in the fixed frame
 
     @property
-    def whole(self) -> Pair:
+    def whole(self) -> np.ndarray:
         """Accelerations of the hub in the fixed frame."""
-        x, y = (a if b is None else a + b for a, b in zip(self.hub, self.outer_ring, strict=True))
-        return x, y
+        return self.hub if self.outer_ring is None else self.hub + self.outer_ring
 
 
 class DirectionBudget(NamedTuple):
@@ -68,7 +67,7 @@ class Budget(NamedTuple):
     x: DirectionBudget
     y: DirectionBudget
     law_force: np.ndarray  # (n_times, n_rollers), N, the law's
-    law_resultant: Pair  # (n_times,), N, of these on the hub, x and y
+    law_resultant: np.ndarray  # (2, n_times), N, of these on the hub, x and y
     contacts: Overlaps
     closing_speed: np.ndarray  # (n_times, n_rollers), m/s, of the inner contacts
     loaded: np.ndarray  # (n_times, n_rollers), bool, inner contact closed
@@ -79,80 +78,72 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
 
     `closing_speed` : ndarray, (n_times, n_rollers), m/s, rate of the inner contacts' approach, from positions
     """
-    contacts, shaft, held = record.contacts, record.operation.mounting.shaft, (0.0, 0.0)
-    push = law.pushes(contacts.inner, closing_speed, contacts.compliances[0])
-    contacts = push.turned(contacts)
+    shaft, held, mass = record.operation.mounting.shaft, (0.0, 0.0), record.operation.inner_mass
+    push = law.pushes(record.contacts.inner, closing_speed, record.contacts.compliances[0])
+    contacts, own, whole = push.turned(record.contacts), record.inner_force, accelerations.whole
     if shaft is not None:
         held = tuple(shaft.force(place, v) for place, v in zip(record.hub, accelerations.velocity, strict=True))
-    resultant, own, mass = push.on_hub(record, contacts), record.inner_force, record.operation.inner_mass
-    errors = error_forces(record.acting, *accelerations.whole, *resultant, held)
-    forces = {} if own is None else _force_terms(record, contacts, push)
-    split = []
-    for i, error in enumerate(errors):
-        if own is None:
-            split.append(DirectionBudget(error, {}, None))
-            continue
+    resultant, terms = push.on_hub(record, contacts), dict[str, np.ndarray]()
+    sides: tuple[Any, ...] = (*whole, *resultant, held)
+    error, momentum = np.array(error_forces(record.acting, *sides)), cast("Any", [None, None])
+    if own is not None:
         # of what differs between our accelerations and velocities and the integrator's
-        terms, hub, ring = {}, accelerations.hub[i], accelerations.outer_ring[i]
-        mine, mine_ring, speed = (getattr(record, f"{n}{'xy'[i]}") for n in ("inner_a", "outer_ring_a", "inner_v"))
+        mine, mine_ring, speed = map(record.along, ("inner_a", "outer_ring_a", "inner_v"))
+        ring = accelerations.outer_ring
         if mine is not None and ring is not None and mine_ring is not None:
-            terms = {"differentiation": mass * (hub - (mine - mine_ring)), "outer_ring": mass * (ring - mine_ring)}
+            terms["differentiation"] = mass * (accelerations.hub - (mine - mine_ring))
+            terms["outer_ring"] = mass * (ring - mine_ring)
         elif mine is not None:
-            terms = {"differentiation": mass * (accelerations.whole[i] - mine)}
+            terms["differentiation"] = mass * (whole - mine)
         if shaft is not None and speed is not None:
-            terms["shaft"] = shaft.damping * (accelerations.velocity[i] - speed)
-        terms |= {name: pair[i] for name, pair in forces.items()}
+            terms["shaft"] = shaft.damping * (accelerations.velocity - speed)
+        terms |= _force_terms(record, contacts, push)
         momentum = error
         for name in ACCOUNTED:
             momentum = momentum - terms[name] if name in terms else momentum
         terms["ring_flexibility" if record.attributes else "other_forces"] = error - sum(terms.values())
-        split.append(DirectionBudget(error, terms, momentum))
+    x, y = (DirectionBudget(error[i], {name: term[i] for name, term in terms.items()}, momentum[i]) for i in range(2))
     loaded = contacts.inner > 0.0 if own is None else own > 0.0
-    return Budget(split[0], split[1], push.force, resultant, contacts, closing_speed, loaded)
+    return Budget(x, y, push.force, resultant, contacts, closing_speed, loaded)
 
 
 def _force_terms(record, contacts, push):
-    """Terms of forces along x and y, N; without those of which the source holds no data.
+    """Terms of forces along x and y, (2, n_times), N; without those of which the source holds no data.
 
     Of a run with a cage a roller's equations of motion along the pitch circle and about its centre give its two
     tractions from its inertia, the cage's force F and moment M: of the inner one F and M take −½ (F − M/radius).
     """
-    damper, cage, acting = record.inner_damping_force, record.cage, record.acting
+    damper, cage, acting, numerics = record.inner_damping_force, record.cage, record.acting, record.scene.numerics
     spring = record.inner_force if damper is None else record.inner_force - damper
-    found = {"contact_law": contact_resultant(contacts, spring - push.spring)}
+    found = {"contact_law": np.array(contact_resultant(contacts, spring - push.spring))}
     if push.moment is not None and record.inner_moment is not None:  # that of tilted contacts' moments too
-        aside = moment_resultant(record, contacts, record.inner_moment - push.moment)
-        found["contact_law"] = _added(found["contact_law"], aside)
+        found["contact_law"] = found["contact_law"] + moment_resultant(
+            record, contacts, record.inner_moment - push.moment
+        )
     if damper is not None or isinstance(push.damper, np.ndarray):
-        found["damping"] = contact_resultant(contacts, (0.0 if damper is None else damper) - push.damper)
+        found["damping"] = np.array(contact_resultant(contacts, (0.0 if damper is None else damper) - push.damper))
     if record.inner_traction is not None:
         circles = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
         found["friction"] = traction_resultant(circles, record.inner_traction)
         if cage is not None:
             facts = record.scene.ideal_cage()
-            guided = float(facts is not None and facts.guidance == "inner_ring")
-            found["cage"] = -guided * cage.guidance_x, -guided * cage.guidance_y
+            guided = facts is not None and facts.guidance == "inner_ring"
+            found["cage"] = -guided * np.array([cage.guidance_x, cage.guidance_y])
             if record.scene.model != "lagrange":  # whose raceways do not rub, and pockets' forces move rollers alone
                 moved = cage.force - cage.moment / record.bearing.roller_radius
                 against = traction_resultant(circles, -0.5 * moved)
-                found["friction"] = _added(found["friction"], against, -1.0)
-                found["cage"] = _added(against, found["cage"])
-    numerics = record.scene.numerics
+                found["friction"], found["cage"] = found["friction"] - against, against + found["cage"]
     missing = 1.0 - load_share(record.time, 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0)
-    return found | {"load_and_weight": (-acting.side_load * missing, acting.radial_load * missing)}
+    return found | {"load_and_weight": np.array([-acting.side_load * missing, acting.radial_load * missing])}
 
 
-def _added(pair, other, times=1.0):
-    return pair[0] + times * other[0], pair[1] + times * other[1]
-
-
-def traction_resultant(contacts: Overlaps, traction) -> Pair:
-    """Sum the tangential forces on the inner ring: x and y components, N, each (n_times,).
+def traction_resultant(contacts: Overlaps, traction) -> np.ndarray:
+    """Sum the tangential forces on the inner ring: x and y components, N, (2, n_times).
 
     `traction`, (n_times, n_rollers), N, acts on the roller along t = (−n_y, n_x), n pointing from the inner
     ring's centre to the roller's; on the ring acts the opposite.
     """
-    return np.sum(-traction * contacts.direction_y, axis=1), np.sum(traction * contacts.direction_x, axis=1)
+    return np.array([np.sum(-traction * contacts.direction_y, axis=1), np.sum(traction * contacts.direction_x, axis=1)])
 
 
 class LawScore(NamedTuple):
@@ -163,7 +154,7 @@ class LawScore(NamedTuple):
     @property
     def rms(self) -> float:
         """Rms of the error force's magnitude, N: the ranking's measure."""
-        return float(np.hypot(self.errors[0].rms, self.errors[1].rms))
+        return np.hypot(self.errors[0].rms, self.errors[1].rms)
 
 
 def rank_laws(record: Record, budget: Budget, identified: dict[str, Identification]) -> list[LawScore]:
@@ -175,14 +166,14 @@ def rank_laws(record: Record, budget: Budget, identified: dict[str, Identificati
     laws |= {name: found.law for name, found in identified.items()}
     late = slice(max((found.samples for found in identified.values()), default=0), None)
     contacts, scores = budget.contacts, []
-    inertia_and_load = _added((budget.x.error, budget.y.error), budget.law_resultant)
+    inertia_and_load = np.array([budget.x.error, budget.y.error]) + budget.law_resultant
     run_force = np.zeros(0) if record.inner_force is None else record.inner_force[late]
     closed = run_force > 0.0
     for name, law in laws.items():
         push = law.pushes(contacts.inner, budget.closing_speed, contacts.compliances[0])
         contact_rms = rms((run_force - push.force[late])[closed]) if closed.any() else None
-        x, y = _added(inertia_and_load, push.on_hub(record, contacts), -1.0)
-        scores.append(LawScore(name, (Statistics.of(x[late]), Statistics.of(y[late])), contact_rms))
+        x, y = (Statistics.of(error[late]) for error in inertia_and_load - push.on_hub(record, contacts))
+        scores.append(LawScore(name, (x, y), contact_rms))
     return sorted(scores, key=lambda score: score.rms)
 
 
@@ -192,7 +183,7 @@ class TiltErrors(NamedTuple):
     error: np.ndarray  # by the law
     contact_law: np.ndarray  # moments of the law less the run's, with the sign that they have in the error
     balance: np.ndarray  # the error with the run's own moments, those of tractions and guides included
-    hub: Pair  # (n_times,), N m, x and y: what else must give the hub's slope
+    hub: tuple[np.ndarray, np.ndarray]  # (n_times,), N m, x and y: what else must give the hub's slope
     largest_tilt: float  # rad
 
 
@@ -208,8 +199,7 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
     def rate(values, times: int = 1) -> np.ndarray:
         return derivative(values, record.interval, times, order)
 
-    names = {"tilt": record.roller_tilt, "slope_x": record.inner_slope_x, "slope_y": record.inner_slope_y}
-    columns = {name: np.asarray(values) for name, values in names.items()}
+    columns = {name: np.asarray(values) for name, values in vars(record.tilts).items() if not name.endswith("rate")}
     gains = {name: rate(values, 2) for name, values in columns.items()}
     state = State(
         x=record.inner_x, y=record.inner_y, rho=np.hypot(record.roller_x, record.roller_y), theta=theta,
@@ -226,7 +216,7 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
 
     runs = zip((record.inner_moment, record.outer_moment), moments, strict=True)
     (error, hub), (balance, _) = left(*moments), left(*(law if run is None else run for run, law in runs))
-    return TiltErrors(error, error - balance, balance, hub, float(np.abs(columns["tilt"]).max()))
+    return TiltErrors(error, error - balance, balance, hub, np.abs(columns["tilt"]).max())
 
 
 def tilt_summary(found: TiltErrors) -> dict:

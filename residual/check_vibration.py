@@ -3,9 +3,6 @@
 from functools import partial
 from math import radians
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 from lagrange.commands import entry, new_app, run_app_main
 from lagrange.errors import InputError
@@ -27,29 +24,33 @@ Exit codes: 0 done, whatever the verdict; 2 unusable input; 130 interrupted; 143
 
 @app.default
 def _command(
-    record: Annotated[Path, Parameter(help="vibration record, or result file of run-fem")],
-    /,
-    *more: Annotated[Path, Parameter(help="further records of a series, in order of time: shows the trend")],
-    rate: Annotated[float | None, Parameter(help="sampling rate, Hz; default: the record's own")] = None,
-    channel: Annotated[str | None, Parameter(help="name, part of a name, or number of the channel")] = None,
-    unit: Annotated[str | None, Parameter(help="g, m/s2, mm/s, or V with --sensitivity; default: the file's")] = None,
-    sensitivity: Annotated[str | None, Parameter(help="sensitivity of a record in volts: 100mV/g")] = None,
-    bearing: Annotated[str | None, Parameter(help="standard bearing: NU206")] = None,
-    scene: Annotated[Path | None, Parameter(help="scene file (TOML) of the bearing; its speed is the default")] = None,
-    elements: Annotated[int | None, Parameter(help="another bearing: number of rolling elements")] = None,
-    element_diameter: Annotated[float | None, Parameter(help="diameter of its rolling elements, mm")] = None,
-    pitch_diameter: Annotated[float | None, Parameter(help="its pitch diameter, mm")] = None,
-    contact_angle: Annotated[float, Parameter(help="its contact angle, degrees")] = 0.0,
-    speed: Annotated[float | None, Parameter(help="speed of the shaft, rpm")] = None,
-    speed_tolerance: Annotated[str, Parameter(help="uncertainty of the speed, per cent")] = "1%",
-    against: Annotated[
-        Path | None, Parameter(help="compare with another record (e.g. of the healthy bearing), a result file, or a "
-                                    "scene to simulate")
-    ] = None,
-    output: Annotated[Path | None, Parameter(help="folder; default: <record>-vibration next to the record")] = None,
-    no_figures: Annotated[bool, Parameter(negative="", help="draw no figures")] = False,
-    quiet: Annotated[bool, Parameter(negative="", help="print nothing")] = False,
+    record: Path, /, *more: Path, rate: float | None = None, channel: str | None = None, unit: str | None = None,
+    sensitivity: str | None = None, bearing: str | None = None, scene: Path | None = None, elements: int | None = None,
+    element_diameter: float | None = None, pitch_diameter: float | None = None, contact_angle: float = 0.0,
+    speed: float | None = None, speed_tolerance: str = "1%", against: Path | None = None, output: Path | None = None,
+    no_figures: bool = False, quiet: bool = False,
 ) -> int:  # fmt: skip
+    """
+    Args:
+        record: vibration record, or result file of run-fem
+        more: further records of a series, in order of time: shows the trend
+        rate: sampling rate, Hz; default: the record's own
+        channel: name, part of a name, or number of the channel
+        unit: g, m/s2, mm/s, or V with --sensitivity; default: the file's
+        sensitivity: sensitivity of a record in volts: 100mV/g
+        bearing: standard bearing: NU206
+        scene: scene file (TOML) of the bearing; its speed is the default
+        elements: another bearing: number of rolling elements
+        element_diameter: diameter of its rolling elements, mm
+        pitch_diameter: its pitch diameter, mm
+        contact_angle: its contact angle, degrees
+        speed: speed of the shaft, rpm
+        speed_tolerance: uncertainty of the speed, per cent
+        against: compare with another record (e.g. of the healthy bearing), a result file, or a scene to simulate
+        output: folder; default: <record>-vibration next to the record
+        no_figures: draw no figures
+        quiet: print nothing
+    """
     from lagrange.messages import telling
     from residual.measured import checks
     from residual.store import check_replaceable

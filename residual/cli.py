@@ -2,9 +2,7 @@
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal
-
-from cyclopts import Parameter
+from typing import Literal
 
 from lagrange.commands import entry, new_app, run_app_main
 from lagrange.errors import InputError
@@ -26,57 +24,39 @@ Exit codes: 0 done; 1 the verdict is "fails" (--tolerance); 2 unusable input; 13
 
 @app.default
 def _command(
-    run: Annotated[
-        Path | None, Parameter(help="result file of run-fem, or a CSV or MATLAB table; default: newest runs/*.nc")
-    ] = None,
-    /,
-    *,
-    output: Annotated[Path | None, Parameter(help="report folder; default: <run>-residual next to the run")] = None,
-    scene: Annotated[Path | None, Parameter(help="scene file (TOML); needed for a table, see docs/tables.md")] = None,
-    resample: Annotated[bool, Parameter(negative="", help="resample a table to equal time steps")] = False,
-    kinematic_rollers: Annotated[
-        bool, Parameter(negative="", help="for a table with only the hub's orbit: rollers roll without slip")
-    ] = False,
-    law: Annotated[
-        str | None,
-        Parameter(
-            help="contact law: harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; hertz "
-            "(balls); or fitted, fitted_damped (to the first half of the run's forces); default: the scene's, "
-            "harris or hertz"
-        ),
-    ] = None,
-    start: Annotated[float | None, Parameter(help="time to skip, ms; default: the load ramp, if any")] = None,
-    line: Annotated[
-        tuple[str, ...],
-        Parameter(
-            help="report this line; repeatable: BPFO, 2xBPFO, BPFO-shaft, or a frequency in Hz", consume_multiple=False
-        ),
-    ] = (),
-    order: Annotated[Literal[4, 6, 8], Parameter(help="order of the finite differences")] = 6,
-    band: Annotated[
-        str | None, Parameter(help="band of the envelope spectrum, Hz: 2000-8000; default: 3 BPFI to 50 kHz")
-    ] = None,
-    tolerance: Annotated[float | None, Parameter(help="largest error force, N rms; exit 1 above it")] = None,
-    search: Annotated[
-        bool,
-        Parameter(name="--find-faults", negative="", help="search for spalls: ring or roller, angle, width"),
-    ] = False,
-    no_figures: Annotated[bool, Parameter(negative="", help="no figures (much faster)")] = False,
-    no_equations: Annotated[
-        bool, Parameter(negative="", help="report on the run without the error forces of (22), (23)")
-    ] = False,
-    against: Annotated[str | None, Parameter(help="compare with another result file, table or contact law")] = None,
-    export: Annotated[
-        tuple[str, ...],
-        Parameter(negative="", consume_multiple=False, help="csv: also write the signals as signals.csv"),
-    ] = (),
-    compare_laws: Annotated[bool, Parameter(negative="", help="print the error force of every law, ranked")] = False,
-    quiet: Annotated[bool, Parameter(negative="", help="print no summary")] = False,
-) -> int:
+    run: Path | None = None, /, *, output: Path | None = None, scene: Path | None = None, resample: bool = False,
+    kinematic_rollers: bool = False, law: str | None = None, start: float | None = None, line: tuple[str, ...] = (),
+    order: Literal[4, 6, 8] = 6, band: str | None = None, tolerance: float | None = None, find_faults: bool = False,
+    no_figures: bool = False, no_equations: bool = False, against: str | None = None, export: tuple[str, ...] = (),
+    compare_laws: bool = False, quiet: bool = False,
+) -> int:  # fmt: skip
+    """
+    Args:
+        run: result file of run-fem, or a CSV or MATLAB table; default: newest runs/*.nc
+        output: report folder; default: <run>-residual next to the run
+        scene: scene file (TOML); needed for a table, see docs/tables.md
+        resample: resample a table to equal time steps
+        kinematic_rollers: for a table with only the hub's orbit: rollers roll without slip
+        law: contact law: harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; hertz (balls); or
+            fitted, fitted_damped (to the first half of the run's forces); default: the scene's, harris or hertz
+        start: time to skip, ms; default: the load ramp, if any
+        line: report this line; repeatable: BPFO, 2xBPFO, BPFO-shaft, or a frequency in Hz
+        order: order of the finite differences
+        band: band of the envelope spectrum, Hz: 2000-8000; default: 3 BPFI to 50 kHz
+        tolerance: largest error force, N rms; exit 1 above it
+        find_faults: search for spalls: ring or roller, angle, width
+        no_figures: no figures (much faster)
+        no_equations: report on the run without the error forces of (22), (23)
+        against: compare with another result file, table or contact law
+        export: csv: also write the signals as signals.csv
+        compare_laws: print the error force of every law, ranked
+        quiet: print no summary
+    """
     from lagrange.contact.laws import law_names
     from lagrange.messages import say, telling
+    from lagrange.scene.scene import read_scene
+    from residual import fault_finding, sources
     from residual.evaluation import evaluate
-    from residual.fault_finding import find_faults
     from residual.laws import ALIASES, FITTED
     from residual.report import PROGRAM, ReportOptions, print_summary, write_report
     from residual.store import check_replaceable
@@ -106,7 +86,22 @@ def _command(
         run = newest[-1]
 
     def read(path: Path):
-        record = _read(path, scene, resample, kinematic_rollers)
+        """A result file, or a table by its scene; and the names of the laws of its bearing."""
+        given = None if scene is None else read_scene(scene)
+        if not path.is_file() or sources.is_result(path):
+            record = sources.read_result(path)
+            for option, asked in (("--kinematic-rollers", kinematic_rollers), ("--resample", resample)):
+                if asked:
+                    raise InputError(f"{option}: only for tables; {path} is a result file")
+            own = record.scene
+            if given is not None and (given.bearing, given.operation) != (own.bearing, own.operation):
+                raise InputError(
+                    f"--scene {scene}: its bearing or operation differs from the scene inside {path}; leave --scene out"
+                )
+        elif given is None:
+            raise InputError(f"{path}: a trajectory table needs its scene: add --scene SCENE.toml")
+        else:
+            record = sources.read_table(path, given, resample, kinematic_rollers)
         known = [*law_names(record.bearing), *FITTED]
         if law is not None and law not in (*known, *ALIASES):
             raise InputError(f"--law {law}: unknown; known are {', '.join(known)}")
@@ -128,41 +123,19 @@ def _command(
             "one of the two"
         )
     evaluation = evaluate(record, law, seconds, order, line, limits, compare_laws)
-    found = find_faults(evaluation.record) if search else None
+    search = fault_finding.find_faults(evaluation.record) if find_faults else None
     for note in evaluation.notes:
         say(f"warning: {run}: {note}")
     if compared is not None:
         other = evaluate(compared, its_law, seconds, order, band=limits)
     options = ReportOptions(
-        tolerance=tolerance, search=found, figures=not no_figures, equations=not no_equations, signals=bool(export),
+        tolerance=tolerance, search=search, figures=not no_figures, equations=not no_equations, signals=bool(export),
         other=other)  # fmt: skip
     write_report(evaluation, folder, options)
     if not quiet:
         with telling():
             print_summary(evaluation, folder, options, compare_laws)
     return 1 if evaluation.outcome(tolerance) == "fails" else 0
-
-
-def _read(path: Path, scene_path: Path | None, resample: bool, kinematic: bool):
-    """Read a record from a result file, or from a table and its scene."""
-    from lagrange.scene.scene import read_scene
-    from residual.sources import is_result, read_result, read_table
-
-    scene = None if scene_path is None else read_scene(scene_path)
-    if not path.is_file() or is_result(path):
-        record = read_result(path)
-        for option, asked in (("--kinematic-rollers", kinematic), ("--resample", resample)):
-            if asked:
-                raise InputError(f"{option}: only for tables; {path} is a result file")
-        if scene is not None and (scene.bearing, scene.operation) != (record.scene.bearing, record.scene.operation):
-            raise InputError(
-                f"--scene {scene_path}: its bearing or operation differs from the scene inside {path}; "
-                "leave --scene out"
-            )
-        return record
-    if scene is None:
-        raise InputError(f"{path}: a trajectory table needs its scene: add --scene SCENE.toml")
-    return read_table(path, scene, resample, kinematic)
 
 
 main = partial(run_app_main, app)

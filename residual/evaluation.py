@@ -9,6 +9,7 @@ import numpy as np
 from lagrange.contact.laws import LogarithmicLaw, PowerLaw, warning
 from lagrange.errors import InputError
 from lagrange.kinematics import OUTER_RING, kinematics
+from lagrange.scene.faults import RPM
 from residual import budget as budgets
 from residual import sampling
 from residual import spectrum as spectra
@@ -19,7 +20,7 @@ from residual.laws import FITTED, DampedLaw, Identification, Law, has_tilts, ide
 from residual.load_zone import QuasiStatic, chatter_gap, quasi_static
 from residual.measured.diagnosis import Diagnosis, diagnose, geometry_and_shaft
 from residual.measured.signals import Signal
-from residual.record import FEWEST_SAMPLES, SMALL_LOAD, Pair, Record, first_sample, varies
+from residual.record import FEWEST_SAMPLES, SMALL_LOAD, Record, first_sample, varies
 from residual.spectrum import Statistics, derivative, power_spectrum
 from residual.vibration import LineLevel
 
@@ -37,7 +38,7 @@ class Direction:
     error: Statistics
     away: Statistics | None  # of the error away from contacts that open or close
     balance: Statistics | None  # of the momentum balance, but for the record's ends, where differentiation errs
-    floor: spectra.Floor  # of the inner ring's acceleration, m/s²
+    floor: float  # N, estimated error of the inertia force that differentiation makes
     spectrum: spectra.Spectrum
     peaks: list[spectra.Peak]
     levels: list[LineLevel]  # of kinematic lines and resolved sidebands
@@ -60,7 +61,7 @@ class Evaluation:
     x: Direction
     y: Direction
     lines: dict[str, float]  # kinematic lines, Hz; none where the shaft stands, or its speed changes
-    watched: list[tuple[LineLevel, LineLevel]]  # lines the user asked for, in x and y
+    watched: list[tuple[LineLevel, ...]]  # lines the user asked for, in x and y
     ideal_cage: float  # Hz, of rolling without slip; `lines` go by the run's own cage speed
     quarters: sampling.Stationarity | None  # what varies in each; None for a record too short for it
     chatter: int  # samples, the longest opening within one pass through the load zone
@@ -99,17 +100,15 @@ class Evaluation:
         return self.budget.law_force if stored is None else stored
 
     @property
-    def hub_acceleration(self) -> Pair:
-        """Accelerations along x and y, m/s²: the source's own where it holds them, else from positions."""
-        t = self.record
-        pairs = ((t.inner_ax, t.inner_x), (t.inner_ay, t.inner_y))
-        x, y = (derivative(place, t.interval, order=self.order) if own is None else own for own, place in pairs)
-        return x, y
+    def hub_acceleration(self) -> np.ndarray:
+        """Along x and y, (2, n_times), m/s²: the source's own where it holds them, else from positions."""
+        t, own = self.record, self.record.along("inner_a")
+        return derivative(t.inner.T, t.interval, order=self.order).T if own is None else own
 
     @property
     def noise(self) -> float:
         """Force that is no more than round-off beside those at work, N."""
-        return NOISE * max(self.record.load, float(self.budget.law_force.max()))
+        return NOISE * max(self.record.load, self.budget.law_force.max())
 
     @property
     def within_noise(self) -> bool:
@@ -147,8 +146,7 @@ class Evaluation:
     @property
     def floors(self) -> tuple[float, float]:
         """Estimated error of the inertia forces that differentiation makes, in x and y, N."""
-        mass = self.record.operation.inner_mass
-        return mass * hypot(*self.x.floor), mass * hypot(*self.y.floor)
+        return self.x.floor, self.y.floor
 
     @property
     def loaded_count(self) -> np.ndarray:
@@ -158,7 +156,7 @@ class Evaluation:
     @property
     def loaded_range(self) -> tuple[int, int]:
         """Fewest and most rollers in the load zone at a time."""
-        return int(self.loaded_count.min()), int(self.loaded_count.max())
+        return self.loaded_count.min(), self.loaded_count.max()
 
     def outcome(self, tolerance: float | None) -> str | None:
         """Whether the rms of either error exceeds a tolerance, N; None without one."""
@@ -192,21 +190,18 @@ def evaluate(
     law = record.scene.lagrange.law if law is None else law
     name = law if isinstance(law, str) else ""
     interval, (first, why) = record.interval, first_sample(record, start)
-    caution = warning(name, record.bearing) if name and name not in FITTED else None
-    notes = [*record.notes, *([caution] if caution else []), *why]
+    notes = [*record.notes, None if name in ("", *FITTED) else warning(name, record.bearing), *why]
 
-    def rates(places, times: int = 2) -> tuple:
-        x, y = (None if p is None else derivative(p, interval, times, order)[first:] for p in places)
-        return x, y
+    def rates(places, times: int = 2):
+        return derivative(places.T, interval, times, order)[first:].T
 
-    accelerations = Accelerations(
-        rates((record.inner_x, record.inner_y)), rates((record.outer_ring_x, record.outer_ring_y)), rates(record.hub, 1)
-    )
+    ring = record.along("outer_ring_")
+    moving = None if ring is None else rates(ring)
+    accelerations = Accelerations(rates(record.inner), moving, rates(record.hub, 1))
     approach = record.contacts.inner
     closing_speed = derivative(approach, interval, 1, order)[first:]
     used = record.samples(slice(first, None))
-    chatter = chatter_gap(used)
-    identified, unfitted = {}, {}
+    chatter, identified, unfitted = chatter_gap(used), {}, {}
     for fitted in FITTED if fit else {name} & {*FITTED}:
         try:
             identified[fitted] = identify(used, approach[first:], closing_speed, chatter, fitted)
@@ -219,33 +214,30 @@ def evaluate(
     ideal, contacts = kinematics(record.bearing, *used.mean_speeds), budget.contacts
     creeps = ideal.cage * used.cage_speed > 0.0  # by the run's own cage: creep moves BPFO beyond a long record's bin
     seen = replace(ideal, cage=used.cage_speed) if creeps else ideal
-    lines = {} if used.varies_speed else spectra.kinematic_lines(seen)
+    lines, tracking = {} if used.varies_speed else spectra.kinematic_lines(seen), vibrations.tracking_of(used)
     slowest = min(lines.values(), default=0.0)  # Hz
-    tracking = vibrations.tracking_of(used)
-    if used.varies_speed:
-        notes.append(_speed_note(used, tracking))
     far = ~near_contact_change(budget.loaded, order // 2)
     # stiffness of contacts at work, each roller's two in series; a law may be a tenth too soft for the run's own forces
     slope, own_force, by_law = by.slope(contacts.inner), used.inner_force, np.sum(budget.law_force**2)
     if own_force is not None and by_law > 0.0:
         slope = slope * (np.sum(own_force * budget.law_force) / by_law)
     shaft, mass = record.operation.mounting.shaft, record.operation.inner_mass
-    noise = NOISE * max(used.load, float(budget.law_force.max()))
+    noise = NOISE * max(used.load, budget.law_force.max())
     central = slice(max(0, order // 2 - first), used.time.size - order // 2)  # where stencils are
 
     def direction(i: int, normal: np.ndarray, body: str, acceleration) -> Direction:
         part, motion = (budget.x, budget.y)[i], (used.inner_x, used.inner_y)[i]
         # of rollers without mass; those about the load line hold the ring along it better than across it
         stiffness = 0.5 * np.mean(np.sum(slope * normal**2, axis=1)) + (0.0 if shaft is None else shaft.stiffness)
-        resonance = float(np.sqrt(stiffness / mass) / (2.0 * pi))
+        resonance = np.sqrt(stiffness / mass) / (2.0 * pi)
         density = power_spectrum(part.error, interval, slowest)
         return Direction(
             name="xy"[i], budget=part, error=Statistics.of(part.error),
             away=Statistics.of(part.error[far]) if far.sum() >= FEWEST_SAMPLES else None,
             balance=None if part.momentum is None else Statistics.of(part.momentum[central]),
-            floor=spectra.floor(motion, interval, order, record.precision), spectrum=density, resonance=resonance,
+            floor=mass * hypot(*spectra.floor(motion, interval, order, record.precision)), spectrum=density,
             peaks=vibrations.named_peaks(spectra.find_peaks(density, lines), density, lines, resonance, noise),
-            levels=vibrations.line_levels(density, lines),
+            levels=vibrations.line_levels(density, lines), resonance=resonance,
             envelope=spectra.envelope(part.error, interval, resonance, slowest),
             term_spectra={name: power_spectrum(term, interval, slowest) for name, term in part.terms.items()},
             vibration=vibrations.vibration(acceleration, interval, lines, body, band),
@@ -254,31 +246,31 @@ def evaluate(
 
     along_x, along_y = vibrations.measured(used, accelerations)
     x, y = direction(0, contacts.direction_x, *along_x), direction(1, contacts.direction_y, *along_y)
-    level = vibrations.watched_level
-    watched = [(level(x.spectrum, line, lines), level(y.spectrum, line, lines)) for line in watch]
-    notes += [one.unresolved_note(x.spectrum.resolution) for one, _ in watched if not one.resolved]
-    notes += sampling.rate_notes(max(x.resonance, y.resonance), interval, order)
+    watched = [tuple(vibrations.watched_level(d.spectrum, line, lines) for d in (x, y)) for line in watch]
     settled = sampling.stationarity(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
-    tables = record.scene.operation
-    if settled is not None and settled.note is not None and not (tables.load_table or tables.speed_table):
-        notes.append(settled.note)  # what changes with the load or the speed is no transient
     # errors are compared with the load, or with the largest contact force beside a small load; 0 where nothing pushes
-    contact = float((budget.law_force if own_force is None else own_force).max(initial=0.0))
+    contact = (budget.law_force if own_force is None else own_force).max(initial=0.0)
     reference = (used.load, "load") if used.load > SMALL_LOAD * contact else (contact, "largest contact force")
-    found = Evaluation(
-        record=used, law=by, order=order, start=float(used.time[0]), budget=budget, x=x, y=y, lines=lines,
-        watched=watched, ideal_cage=ideal.frequencies["FTF"], chatter=chatter, quarters=settled,
-        identified=identified, unfitted=unfitted, laws=budgets.rank_laws(used, budget, identified), too_coarse=None,
-        reference=reference, position_noise=sampling.position_noise(used, by, budget, order),
-        tilt=budgets.tilt_errors(used, by.name, order) if has_tilts(used) else None, notes=(),
-    )  # fmt: skip
     sound, least = SOUND * reference[0], max(noise, FOLDED_SHARE * reference[0])
-    coarse = sampling.too_coarse(used, by, budget, (x.balance, y.balance), found.floors, least, sound)
-    notes += [coarse.note] if coarse is not None and coarse.seldom else []
-    errs = found.position_noise
-    if errs is not None and hypot(*errs.error) > max(sound, noise):
-        notes.insert(0, errs.note)
-    return replace(found, too_coarse=coarse, notes=tuple(dict.fromkeys(notes)))
+    coarse = sampling.too_coarse(used, by, contacts.inner, (x, y), least, sound)
+    errs = sampling.position_noise(used, by, contacts, order)
+    changes = record.scene.operation.load_table or record.scene.operation.speed_table
+    notes = [
+        errs.note if errs is not None and hypot(*errs.error) > max(sound, noise) else None, *notes,
+        _speed_note(used, tracking) if used.varies_speed else None,
+        *(one.unresolved_note(x.spectrum.resolution) for one, _ in watched if not one.resolved),
+        *sampling.rate_notes(max(x.resonance, y.resonance), interval, order),
+        None if settled is None or changes else settled.note,  # what changes with the load or the speed is no transient
+        coarse.note if coarse is not None and coarse.seldom else None,
+    ]  # fmt: skip
+    return Evaluation(
+        record=used, law=by, order=order, start=used.time[0], budget=budget, x=x, y=y, lines=lines,
+        watched=watched, ideal_cage=ideal.frequencies["FTF"], chatter=chatter, quarters=settled,
+        identified=identified, unfitted=unfitted, laws=budgets.rank_laws(used, budget, identified), too_coarse=coarse,
+        reference=reference, position_noise=errs,
+        tilt=budgets.tilt_errors(used, by.name, order) if has_tilts(used) else None,
+        notes=tuple(dict.fromkeys(note for note in notes if note)),
+    )  # fmt: skip
 
 
 def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
@@ -289,11 +281,10 @@ def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
 
 def _speed_note(record, tracking):
     """Say where lines are to be found when the speed changes."""
-    changes = []
-    for name, speeds in zip(("shaft", OUTER_RING), record.acting.ring_speeds, strict=True):
-        low, high = (60.0 * f(speeds) / (2.0 * pi) for f in (np.min, np.max))
-        if varies(speeds):
-            changes.append(f"the {name}'s speed changes from {low:.5g} to {high:.5g} rpm")
+    changes = [
+        f"the {name}'s speed changes from {np.min(speeds) / RPM:.5g} to {np.max(speeds) / RPM:.5g} rpm"
+        for name, speeds in zip(("shaft", OUTER_RING), record.acting.ring_speeds, strict=True) if varies(speeds)
+    ]  # fmt: skip
     note = f"{' and '.join(changes)} within the record: lines in Hz would smear"
     if tracking is None:
         return f"{note}, and the record is too short for orders"

@@ -24,7 +24,7 @@ from lagrange.errors import InputError
 from lagrange.kinematics import turned
 from lagrange.surface.edges import Circles, softening
 from lagrange.surface.faults import Spall
-from residual.record import SMALL_LOAD, Pair, Record
+from residual.record import SMALL_LOAD, Record
 
 SIDES: dict[str, tuple[Side, ...]] = {"outer_ring": ("outer",), "inner_ring": ("inner",), "roller": ("outer", "inner")}
 SCALES = 0.5, 2.0  # of a law's stiffness by the hub's load: beyond, the run is not what its scene says
@@ -62,6 +62,7 @@ FARTHEST, NARROWEST = 3e-4, 1.5e-4  # m, from sample to sample; of a spall
 RESAMPLED, SIGMAS = 200, 2.0  # sets of passages drawn with replacement; of intervals
 MODEL_WIDTH, MODEL_PLACE = 0.03, 1.5e-5  # of the width, and m: scatter on known spalls beyond that of passages
 
+Pair = tuple[np.ndarray, np.ndarray]
 # a body, and spalls of it, (n_spalls, 3): angle of the middle, rad; width, m; depth, m
 Spalled = tuple["Place", np.ndarray]
 
@@ -93,7 +94,7 @@ class RollerMotion:
     bearing: Bearing  # perfect circles
     operation: Operation
     law: Callable[[np.ndarray], np.ndarray]  # force of a contact, N, by its overlap
-    load: Pair  # N, (n_times,), of the hub along x and y, its weight included
+    load: np.ndarray  # N, (2, n_times), of the hub along x and y, its weight included
     interval: float  # s
     rho: np.ndarray  # m
     outer_angle: np.ndarray
@@ -115,17 +116,50 @@ class RollerMotion:
         loaded = (load > 0.0) & (load >= SMALL_LOAD * force.max(initial=0.0))
         along = [np.sum(force * part(self.inner_angle), axis=1) for part in (np.cos, np.sin)]
         along = along[0] * load_x + along[1] * load_y  # N²
-        carried = float(np.median(along[loaded] / load[loaded] ** 2)) if loaded.any() else 0.0  # of the load
-        return float(np.clip(1.0 / carried, *SCALES)) if carried > 0.0 else 1.0
+        carried = np.median(along[loaded] / load[loaded] ** 2) if loaded.any() else 0.0  # of the load
+        return np.clip(1.0 / carried, *SCALES) if carried > 0.0 else 1.0
 
     @cached_property
-    def contact(self) -> "Contact":
-        return Contact(self.bearing, self.law, self.scale)
+    def table(self) -> Pair:
+        """Overlaps of a contact, m, and its push of a roller, N, by the scaled law."""
+        deep = np.geomspace(SOFTEST, STIFFEST, TABULATED)
+        return np.append(0.0, deep), np.append(0.0, self.scale * self.law(deep))
+
+    @cached_property
+    def softness(self) -> dict[Side, Pair]:
+        """Ways into a spall past its edge, m, and what the edge adds to a contact's compliance there, m/N; by side."""
+        b, r = self.bearing, self.bearing.roller_radius
+        way = np.linspace(-SOFT_WAY[0] * r, SOFT_WAY[0] * r, SOFT_WAY[1])
+        if isinstance(b, BallBearing):
+            return {side: (way, 0.0 * way) for side in SIDES["roller"]}
+        wide = Spall(body="outer_ring", roller=None, angle=0.0, width=0.4 * r, depth=r, edge_radius=EDGE_ROUNDING * r)
+        edge, inside, outside = wide.half_opening(r) - way, *contact_pairs(b)[:2]
+        met: dict[Side, tuple] = {
+            "inner": (inside, Circles(b.inner_raceway_radius, r, "outside", r)),
+            "outer": (outside, Circles(b.outer_raceway_radius, r, "bore", r)),
+        }
+        return {
+            side: (way, pair.line_compliance * softening(wide, circles, np.arcsin(edge / circles.own)))
+            for side, (pair, circles) in met.items()
+        }
+
+    @cached_property
+    def fastest(self) -> float:
+        """Angular frequency of a roller between two contacts, rad/s."""
+        force = self.scale * self.law(np.array([STIFF]))[0]
+        return np.sqrt(2.0 * force / STIFF / self.bearing.roller_mass)
 
     @property
     def stride(self) -> int:
         """Samples that are about half a period of the roller's vibration apart."""
-        return max(1, round(np.pi / (self.contact.fastest * self.interval)))
+        return max(1, round(np.pi / (self.fastest * self.interval)))
+
+    def push(self, overlap: np.ndarray, softness) -> np.ndarray:
+        """Acceleration of a roller, m/s², by a contact; softness, m/N, of edges, or 0 without any."""
+        force = np.interp(overlap, *self.table)
+        if np.ndim(softness):
+            force = force * overlap / np.maximum(overlap + softness * force, SOFTEST)
+        return force / self.bearing.roller_mass
 
     def angles(self, place: Place, side: Side) -> np.ndarray:
         """Where contacts lie on a body, in its own frame, (n_times, n_rollers that pass), rad, unwrapped."""
@@ -138,7 +172,7 @@ class RollerMotion:
 
     def travel(self, place: Place) -> float:
         """Median way of contacts on a body from sample to sample, m."""
-        return float(np.median(np.abs(np.diff(self.angles(place, place.sides[0]), axis=0)))) * place.radius
+        return np.median(np.abs(np.diff(self.angles(place, place.sides[0]), axis=0))) * place.radius
 
     def places(self) -> list[Place]:
         """Every surface that may have a spall: outer ring, inner ring, rollers."""
@@ -169,34 +203,6 @@ def roller_motion(record: Record) -> RollerMotion:
         outer=found.outer)  # fmt: skip
 
 
-class Contact:
-    """Force of a contact over its overlap, tabulated; near the edges of spalls it is softer."""
-
-    def __init__(self, bearing: Bearing, law: Callable[[np.ndarray], np.ndarray], scale: float):
-        """`law` : force, N, by overlap, m, times `scale`."""
-        self.mass, r = bearing.roller_mass, bearing.roller_radius
-        deep = np.geomspace(SOFTEST, STIFFEST, TABULATED)
-        self.table = np.append(0.0, deep), np.append(0.0, scale * law(deep))
-        self.fastest = float(np.sqrt(2.0 * (scale * law(np.array([STIFF]))[0]) / STIFF / self.mass))  # rad/s
-        self.way = np.linspace(-SOFT_WAY[0] * r, SOFT_WAY[0] * r, SOFT_WAY[1])
-        wide = Spall(body="outer_ring", roller=None, angle=0.0, width=0.4 * r, depth=r, edge_radius=EDGE_ROUNDING * r)
-        edge, inside, outside = wide.half_opening(r) - self.way, *contact_pairs(bearing)[:2]
-        self.soft: dict[str, np.ndarray] = {"inner": np.zeros_like(edge), "outer": np.zeros_like(edge)}  # m/N
-        if not isinstance(bearing, BallBearing):
-            for side, pair, circles in (
-                ("inner", inside, Circles(bearing.inner_raceway_radius, r, "outside", r)),
-                ("outer", outside, Circles(bearing.outer_raceway_radius, r, "bore", r)),
-            ):
-                self.soft[side] = pair.line_compliance * softening(wide, circles, np.arcsin(edge / circles.own))
-
-    def push(self, overlap: np.ndarray, softness) -> np.ndarray:
-        """Acceleration of the roller, m/s²; softness, m/N, of edges, or 0 without any."""
-        force = np.interp(overlap, *self.table)
-        if np.ndim(softness):
-            force = force * overlap / np.maximum(overlap + softness * force, SOFTEST)
-        return force / self.mass
-
-
 class ThreeSamples:
     """Some rollers at some times, with the samples before and after; arrays (n,).
 
@@ -210,7 +216,7 @@ class ThreeSamples:
         """`middle` : numbers of the middle samples; `roller` : of the rollers."""
         self.motion, self.middle, self.roller = motion, middle, roller
         self.lapse = motion.stride * motion.interval
-        self.steps = int(np.ceil(self.lapse * motion.contact.fastest / PHASE_STEP))
+        self.steps = int(np.ceil(self.lapse * motion.fastest / PHASE_STEP))
         self.before, self.now, self.after = (motion.rho[middle + k * motion.stride, roller] for k in (-1, 0, 1))
         angle = self._through(motion.outer_angle, roller)
         self.pull = motion.bearing.pitch_radius * (angle[1] / self.lapse) ** 2
@@ -228,7 +234,7 @@ class ThreeSamples:
 
     def _surfaces(self, spalled, more):
         """At each step the places at which both contacts open, m, each with what edges add to its compliance, m/N."""
-        b, contact, met, found = self.motion.bearing, self.motion.contact, [], []
+        b, met, found = self.motion.bearing, [], []
         for place, spalls in spalled:
             column, own = self.roller, 1.0
             if place.roller is not None:
@@ -244,7 +250,7 @@ class ThreeSamples:
             for side, path, angle, radius, half, depth, own in met:
                 inside = half - np.abs(_around(np.polyval(path, t) - angle)) * radius
                 fallen = edge_sinkage(np.maximum(inside, 0.0), b.roller_radius, *raceways[side])
-                soft = np.interp(inside, contact.way, contact.soft[side])
+                soft = np.interp(inside, *self.motion.softness[side])
                 sunk[side] = sunk[side][0] + own * np.minimum(fallen, depth), sunk[side][1] + own * soft
             (low, soft_low), (high, soft_high) = sunk["inner"], sunk["outer"]
             found.append((np.polyval(self.inside, t) - low, soft_low, np.polyval(self.outside, t) + high, soft_high))
@@ -252,7 +258,7 @@ class ThreeSamples:
 
     def _ends(self, surfaces, velocity):
         """Places at the samples after and before, by the velocity at the middle one."""
-        step, push, found = self.lapse / self.steps, self.motion.contact.push, []
+        step, push, found = self.lapse / self.steps, self.motion.push, []
         for sign in (1, -1):
             place, speed = self.now, sign * velocity
             for k in range(self.steps):
@@ -263,7 +269,7 @@ class ThreeSamples:
             found.append(place)
         return found
 
-    def over(self, spalled: Sequence[Spalled], more: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
+    def over(self, spalled: Sequence[Spalled], more: Sequence[float] = (0.0, 0.0)) -> np.ndarray:
         """Excess of the outer samples' sum over that of the equation of motion, (n_spalls, n), m.
 
         spalled : each place with as many spalls, or with one
@@ -321,20 +327,20 @@ class SinkageMap:
 
     @property
     def seen(self) -> float:
-        return float(np.mean(np.isfinite(self.height)))
+        return np.mean(np.isfinite(self.height))
 
     @cached_property
     def deepest(self) -> tuple[float, float]:
         """Angle of the deepest place, rad, and its depth over the rest's; 0 if too little is seen."""
         if not self.seen:
             return 0.0, 0.0
-        n, k = self.height.size, int(np.nanargmax(self.height))
+        n, k = self.height.size, np.nanargmax(self.height)
         away = np.abs((np.arange(n) - k + n // 2) % n - n // 2)
         rest = self.height[away > MAP_BESIDE[0] * n + MAP_BESIDE[1] * n / (2.0 * np.pi * self.place.radius)]
         rest = rest[np.isfinite(rest)]
         if rest.size < FEWEST_REST:
             return 0.0, 0.0
-        return float(self.angle[k]), float(self.height[k] / max(np.quantile(rest, REST), LEAST))
+        return self.angle[k], self.height[k] / max(np.quantile(rest, REST), LEAST)
 
 
 def sinkage_maps(motion: RollerMotion, known: Sequence[Spalled] = ()) -> list[SinkageMap]:
@@ -347,11 +353,9 @@ def sinkage_maps(motion: RollerMotion, known: Sequence[Spalled] = ()) -> list[Si
     times = np.arange(stride, n_times - stride, thinned)
     middle, roller = np.repeat(times, n_rollers), np.tile(np.arange(n_rollers), times.size)
     every, sunk, maps = ThreeSamples(motion, middle, roller), {}, []
-    missed = every.over(known)[0]
-    for side, overlap, deeper, sign in (
-        ("outer", motion.outer, (0.0, PROBE), 1.0), ("inner", motion.inner, (PROBE, 0.0), -1.0)
-    ):  # fmt: skip
-        gain = (missed - every.over(known, deeper)[0]) / PROBE
+    missed, probes = every.over(known)[0], {"outer": (motion.outer, 0.0, PROBE), "inner": (motion.inner, PROBE, 0.0)}
+    for side, (overlap, *deeper) in probes.items():
+        gain, sign = (missed - every.over(known, deeper)[0]) / PROBE, 1.0 if side == "outer" else -1.0
         gain = np.where(np.abs(gain) < LEAST_GAIN, sign * LEAST_GAIN, gain)
         touches = overlap[middle, roller] > -OFF_RACEWAY
         sunk[side] = np.where(touches, np.clip(missed / gain, -MOST, MOST), np.nan)  # m, that explains three samples
@@ -394,11 +398,11 @@ class FoundSpall(NamedTuple):
     @property
     def angle(self) -> float:
         """Angle of its middle, rad."""
-        return float(self.spall[0])
+        return self.spall[0]
 
     @property
     def width(self) -> float:
-        return float(self.spall[1])
+        return self.spall[1]
 
     @property
     def spalled(self) -> Spalled:
@@ -468,7 +472,7 @@ class Near:
         self.beyond = every[:, 4]  # m, of the contacts from the angle at the middle samples
         whole = every[:, :4].astype(np.int64)
         _, self.passage = np.unique(whole[:, 1:], axis=0, return_inverse=True)
-        self.passages = int(self.passage.max(initial=-1)) + 1
+        self.passages = self.passage.max(initial=-1) + 1
         self.samples = ThreeSamples(motion, whole[:, 0], whole[:, 1])
 
     def misfit(self, spalls: np.ndarray) -> np.ndarray:
@@ -495,12 +499,12 @@ def _match(motion, suspect, rest):
     half = max(0.5 * spall[1] + BESIDE + place.radius * abs(spall[0] - angle) for spall, *_ in fits)
     near = Near(motion, place, angle, half, rest)
     *misfits, without = near.misfit(np.array([*(fit[0] for fit in fits), (angle, 0.0, 0.0)])).sum(axis=1)
-    best = int(np.argmin(misfits))
-    gain = float(without - misfits[best])
+    best = np.argmin(misfits)
+    gain = without - misfits[best]
     if gain <= 0.0:
         return None
     spall, angle_error, width_error = fits[best]
-    explained = gain / float(without)
+    explained = gain / without
     return gain, FoundSpall(place, spall, angle_error, width_error, ratio, explained, near.passages, suspect)
 
 
@@ -536,4 +540,4 @@ def _refined(motion, place, spall, rest):
         scatter.append(np.sqrt(np.mean(away[np.argmin(draws @ misfit.T, axis=1)] ** 2)))
     apart, of_width = np.hypot(*scatter), MODEL_WIDTH * spall[1]
     angle = SIGMAS * np.hypot(0.5 * apart, np.hypot(MODEL_PLACE, 0.5 * of_width)) / place.radius
-    return spall, float(angle), float(SIGMAS * np.sqrt(apart**2 + of_width**2 + MODEL_PLACE**2))
+    return spall, angle, SIGMAS * np.sqrt(apart**2 + of_width**2 + MODEL_PLACE**2)

@@ -59,19 +59,19 @@ def error_table(e: Evaluation) -> Section:
 def law_table(e: Evaluation) -> Section:
     """Error force with each law, best first; the law in use is marked."""
     rows = [
-        [f"{law.name} (in use)" if law.name == e.law.name else law.name,
+        [law.name + (" (in use)" if law.name == e.law.name else ""),
          *cells(*(v for error in law.errors for v in (error.mean, error.rms)), law.contact_rms)]
         for law in e.laws
     ]  # fmt: skip
-    time = 1e3 * e.record.time
-    within = ", within the noise of its positions" if e.within_noise else ""
-    note = f"The whole record, {text(time[0])} to {text(time[-1])} ms{within}"
-    if e.identified:
-        first = next(iter(e.identified.values())).samples
+    time, first = 1e3 * e.record.time, max((fit.samples for fit in e.identified.values()), default=0)
+    note = f"The whole record, {text(time[0])} to {text(time[-1])} ms"
+    if first:
         note = (
             f"Held-back part of the record, {text(time[first])} to {text(time[-1])} ms; laws were fitted "
             f"to {text(time[0])} to {text(time[first - 1])} ms"
         )
+    elif e.within_noise:
+        note += ", within the noise of its positions"
     return Section(
         title="Error force by contact law, N", sum="(in use)", rows=rows,
         note=f"{note}. Rms per contact: the run's inner contact forces less the law's.",
@@ -109,18 +109,18 @@ def difference_table(e: Evaluation, other: Evaluation, equations: bool = True) -
 
     `equations`: whether errors of (22), (23) are among them
     """
-    rows, (first, second) = [], named(e, other)
-    for (name, mine), (_, beside) in zip(*(_quantities(each, equations) for each in (e, other)), strict=True):
+    rows, (first, second), theirs = [], named(e, other), _quantities(other, equations)
+    for name, mine in _quantities(e, equations).items():
+        beside = theirs.get(name)
         if mine is None or beside is None:
             continue
         low, high = sorted((abs(mine), abs(beside)))
-        if high == 0.0 or (high - low <= SAME * high and mine * beside > 0.0):
+        ratio, words = mine / beside if low > SAME * high else 0.0, "-"
+        if high == 0.0 or abs(ratio - 1.0) <= SAME:
             words = "alike"
-        elif mine * beside <= 0.0 or low <= SAME * high:
-            words = "-"
-        elif (ratio := abs(mine / beside)) >= MANY_TIMES:
+        elif ratio >= MANY_TIMES:
             words = f"{text(ratio, 3)} times"
-        else:
+        elif ratio > 0.0:
             words = f"{text(100.0 * abs(ratio - 1.0), 3)} % {'more' if ratio > 1.0 else 'less'}"
         rows.append([name, *cells(mine, beside, digits=5), text(mine - beside, 3, SAME * high), words])
     columns = ("", *map(shown, (first, second, f"{first} − {second}")), "")
@@ -128,33 +128,33 @@ def difference_table(e: Evaluation, other: Evaluation, equations: bool = True) -
 
 
 def _quantities(e, equations):
-    """Names, and values in the units that these end with."""
-    t, (low, high), (ax, ay) = e.record, e.loaded_range, e.hub_acceleration
-    found = [
-        ("hub x, mean, µm", 1e6 * t.inner_x.mean()), ("hub y, mean, µm", 1e6 * t.inner_y.mean()),
-        ("hub x, std, nm", 1e9 * t.inner_x.std()), ("hub y, std, nm", 1e9 * t.inner_y.std()),
-        ("largest roller load, N", e.force.max()), ("loaded rollers, fewest", low), ("loaded rollers, most", high),
-        ("roller orbit (FTF), Hz", e.lines.get("FTF")), ("hub's acceleration, x, rms, m/s²", np.std(ax)),
-        ("hub's acceleration, y, rms, m/s²", np.std(ay)),
-    ]  # fmt: skip
+    """Values by names that end with their units."""
+    t, (low, high) = e.record, e.loaded_range
+    found = dict(zip(("hub x, mean, µm", "hub y, mean, µm"), 1e6 * t.inner.mean(axis=1), strict=True))
+    found |= zip(("hub x, std, nm", "hub y, std, nm"), 1e9 * t.inner.std(axis=1), strict=True)
+    found |= {
+        "largest roller load, N": e.force.max(), "loaded rollers, fewest": low, "loaded rollers, most": high,
+        "roller orbit (FTF), Hz": e.lines.get("FTF"),
+    }  # fmt: skip
+    names = (f"hub's acceleration, {axis}, rms, m/s²" for axis in "xy")
+    found |= zip(names, e.hub_acceleration.std(axis=1), strict=True)
     for d in e.directions if equations else ():
         of = {"mean": d.error.mean, "rms": d.error.rms, "largest": d.error.max_abs}
-        found += [(f"error_{d.name}, {what}, N", value) for what, value in of.items()]
-    return [*found, ("momentum balance, rms, N", e.balance)]
+        found |= {f"error_{d.name}, {what}, N": value for what, value in of.items()}
+    return found | {"momentum balance, rms, N": e.balance}
 
 
 def line_differences(e: Evaluation, other: Evaluation) -> Section:
     """Levels of two runs, and lines that are high in either, and by how many dB the run's are higher."""
     rows: list[list[str]] = []
     for d, beside in zip(e.directions, other.directions, strict=True):
-        one, two = d.vibration, beside.vibration
-        pairs = {f"{what}, g": [getattr(v.level, what) / G for v in (one, two)] for what in ("rms", "peak")}
-        if one.velocity is not None and two.velocity is not None:
-            pairs["velocity, mm/s rms"] = [1e3 * one.velocity, 1e3 * two.velocity]
+        both = one, two = d.vibration, beside.vibration
+        pairs = {f"{what}, g": [getattr(v.level, what) / G for v in both] for what in ("rms", "peak")}
+        pairs["velocity, mm/s rms"] = [1e3 * (v.velocity or 0.0) for v in both]
         theirs = {line.name: line for line in two.lines}
         for line in one.lines:
-            if line.name in theirs and (line.is_high or theirs[line.name].is_high):
-                pairs[f"{line.name}, g"] = [line.amplitude / G, theirs[line.name].amplitude / G]
+            if (same := theirs.get(line.name)) is not None and (line.is_high or same.is_high):
+                pairs[f"{line.name}, g"] = [line.amplitude / G, same.amplitude / G]
         rows += [
             [f"{name}, {d.name}", *cells(a, b, digits=3), f"{20.0 * np.log10(a / b):+.1f}".replace("-", "−")]
             for name, (a, b) in pairs.items() if a > 0.0 and b > 0.0
@@ -166,7 +166,7 @@ def line_differences(e: Evaluation, other: Evaluation) -> Section:
 def operation_words(record: Record) -> str:
     """Speed and load in words, the bearing's load where it differs from its section's; of what changes the range."""
     acting, bearing, speed = record.acting, record.bearing, f"{text(record.scene.operation.speed_rpm)} rpm, "
-    forces, along = [float(np.min(acting.radial_load))], " along −y"
+    forces, along = [np.min(acting.radial_load)], " along −y"
     if record.operation.history is not None:
         load, speed, along = np.hypot(acting.radial_load, acting.side_load), "", ""
         forces = [load.min(), load.max()]
@@ -190,10 +190,11 @@ def cage_rows(e: Evaluation) -> list[tuple[str, str]]:
         slip = f"{text(abs(slower), 2, SMALLEST_SLIP)} % {'faster' if slower < -SMALLEST_SLIP else 'slower'}"
         if cage is None and abs(slower) > SMALLEST_SLIP and t.attributes:  # of a run: a table need not have the cage's
             slip += ": no cage, rollers coast"
-        name, compared = "Roller orbit" if cage is None else "Cage speed", f" ({slip})" if t.orbits >= 1.0 else ""
-        rows.append((name, f"{text(speed, 5)} Hz; rolling without slip: {text(ideal, 5)} Hz{compared}"))
+        compared = f" ({slip})" if t.orbits >= 1.0 else ""
+        words = f"{text(speed, 5)} Hz; rolling without slip: {text(ideal, 5)} Hz{compared}"
+        rows.append(("Roller orbit" if cage is None else "Cage speed", words))
     if cage is not None:
-        farthest, force = 1e6 * float(np.hypot(cage.x, cage.y).max()), float(np.abs(cage.force).max())
+        farthest, force = 1e6 * np.hypot(cage.x, cage.y).max(), np.abs(cage.force).max()
         turns, whirl = (of(t.interval) / (2.0 * pi) for of in (cage.speed, cage.whirl))
         mean = f"turns at {text(turns, 5)} Hz, its centre whirls at {text(whirl, 3)} Hz"
         mean = "turns both ways; its centre moves" if t.reverses else mean
@@ -241,9 +242,9 @@ def interpretation(e: Evaluation) -> list[str]:
         parts = " and ".join(f"{OMITTED[term]} ({text(value, 2)} N rms)" for term, value in terms.items())
         little = f": negligible against the {name}" if max(terms.values()) < MATTERS * scale else ""
         said.append(f"The model leaves out {parts}{little}.")
-    most, statics = float(e.force.max()), e.statics
-    if statics is not None and most > 0.0 and (static := float(statics.force.max())) > 0.0:
-        deep, found = -1e6 * float(statics.y.mean()), -1e6 * float(e.record.inner_y.mean())
+    most, statics = e.force.max(), e.statics
+    if statics is not None and most > 0.0 and (static := statics.force.max()) > 0.0:
+        deep, found = -1e6 * statics.y.mean(), -1e6 * e.record.inner_y.mean()
         speed = " at the run's speed" if e.record.operation.fastest else " at rest"  # of centrifugal forces
         words = (
             f"The model's own equilibrium{speed} has {text(static)} N on the most loaded roller, the run "
@@ -258,7 +259,7 @@ def interpretation(e: Evaluation) -> list[str]:
 
 def _missing(forces, record):
     """What forces along x and y, N, (n_times,), lack on average against the load, by least squares, N."""
-    return -float(np.mean(np.sum(np.array(forces) * np.array(record.whole_load), axis=0))) / record.load
+    return -np.mean(np.sum(np.array(forces) * record.whole_load, axis=0)) / record.load
 
 
 def verdict(e: Evaluation, tolerance: float | None = None, equations: bool = True) -> str:
@@ -365,8 +366,8 @@ def vibration_sentences(e: Evaluation) -> list[str]:
             names.append(f"{place} larger by {text(1e6 * fault.diameter_deviation)} µm")
     listed = " and ".join([", ".join(names[:-1]), names[-1]] if names[1:] else names)
     scene = f"The scene has {listed}." if names else "The scene's surfaces are perfect circles."
-    if expected := [lines for of, lines in EXPECTED.items() if of in spalled]:
-        scene += f" Expected of such faults: {', '.join(expected)}."
+    if spalled:
+        scene += f" Expected of such faults: {', '.join(lines for of, lines in EXPECTED.items() if of in spalled)}."
     if isinstance(diagnosis, str):
         scene += f" No verdict by check-vibration: {diagnosis}."
     else:
@@ -480,7 +481,7 @@ def contradictions(e: Evaluation) -> list[str]:
         carried = f"{text((1.0 - missing) * load)} N, {share(1.0 - missing, 1.0)}"
         found.append(f"{whose} carry {carried} of the scene's load of {text(load)} N")
     if e.statics is not None and not e.balance_within_noise:
-        force, count = e.statics.force, float(e.loaded_count.mean())
+        force, count = e.statics.force, e.loaded_count.mean()
         should = np.count_nonzero(force > LOADED * force.max()) / e.statics.x.size
         if abs(count - should) > MORE_ROLLERS:
             found.append(

@@ -19,10 +19,10 @@ from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force, til
 from lagrange.contact.laws import LogarithmicLaw, PowerLaw, contact_laws, softened
 from lagrange.equations import Overlaps, contact_resultant
 from lagrange.errors import InputError
-from lagrange.motion import falls, met
+from lagrange.motion import falls, met, misalignments
 from lagrange.surface.deviation import Falls, SurfaceDeviation
 from residual.load_zone import load_zones
-from residual.record import FEWEST_SAMPLES, Pair, Record
+from residual.record import FEWEST_SAMPLES, Record
 from residual.spectrum import derivative, rms
 
 FIT_SHARE = 0.5  # of the record
@@ -53,13 +53,10 @@ class Pushes(NamedTuple):
         """
         return contacts.at_force(self.spring) if self.moment is None else contacts.at_contact(self.falls)
 
-    def on_hub(self, record: Record, contacts: Overlaps) -> Pair:
-        """Their resultant on the hub along x and y, N, (n_times,), with the force of tilted contacts' moments."""
-        x, y = contact_resultant(contacts, self.force)
-        if self.moment is None:
-            return x, y
-        aside_x, aside_y = moment_resultant(record, contacts, self.moment)
-        return x + aside_x, y + aside_y
+    def on_hub(self, record: Record, contacts: Overlaps) -> np.ndarray:
+        """Their resultant on the hub along x and y, N, (2, n_times), with the force of tilted contacts' moments."""
+        straight = np.array(contact_resultant(contacts, self.force))
+        return straight if self.moment is None else straight + moment_resultant(record, contacts, self.moment)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,30 +139,21 @@ def sliced(record: Record, whole: PowerLaw | LogarithmicLaw, outer: bool = False
     axial, bearing, contacts = record.scene.ideal_axial(), record.bearing, record.contacts
     if axial is None or record.roller_tilt is None:
         raise ValueError("the record has no rollers that tilt")
-    slices, damping = contact_slices(bearing, axial, (whole, whole))[int(outer)], record.scene.damping.contacts
-    approach = contacts.outer if outer else contacts.inner
-    misalignment = -record.roller_tilt if outer else misaligned(record, contacts)[0]
+    slices, damping = contact_slices(bearing, axial, (whole, whole))[outer], record.scene.damping.contacts
+    at = misalignments(contacts, record.tilts)
+    approach, misalignment = (contacts.outer, at.outer) if outer else (contacts.inner, at.inner)
     dampers = None
     if damping.acts:
         rates = (derivative(value, record.interval, 1) for value in (approach, misalignment))
         dampers = damping, *rates, bearing.roller_length
     source = f"{whole.source}, in {slices.count} slices"
-    return SlicedLaw(whole.name, source, slices, misalignment, contacts.surfaces[int(outer)], dampers)
+    return SlicedLaw(whole.name, source, slices, misalignment, contacts.surfaces[outer], dampers)
 
 
-def misaligned(record: Record, contacts: Overlaps) -> Pair:
-    """ψ of the inner contacts, and the slopes' part across their normals, rad, (n_times, n_rollers) each."""
-    angle, tilt = np.arctan2(record.roller_y, record.roller_x), np.asarray(record.roller_tilt)
-    x = tilt * np.cos(angle) - np.asarray(record.inner_slope_x)[:, None]
-    y = tilt * np.sin(angle) - np.asarray(record.inner_slope_y)[:, None]
-    nx, ny = contacts.normal
-    return x * nx + y * ny, y * nx - x * ny
-
-
-def moment_resultant(record: Record, contacts: Overlaps, moment) -> Pair:
-    """Forces by which inner contacts' moments, N m, push the hub sideways, x and y, (n_times,), N."""
-    push, (nx, ny) = moment * misaligned(record, contacts)[1] / contacts.distance, contacts.normal
-    return np.sum(push * ny, axis=1), np.sum(-push * nx, axis=1)
+def moment_resultant(record: Record, contacts: Overlaps, moment) -> np.ndarray:
+    """Forces by which inner contacts' moments, N m, push the hub sideways, x and y, (2, n_times), N."""
+    push, (nx, ny) = moment * misalignments(contacts, record.tilts).across / contacts.distance, contacts.normal
+    return np.array([np.sum(push * ny, axis=1), np.sum(-push * nx, axis=1)])
 
 
 class Interval(NamedTuple):
@@ -214,8 +202,7 @@ def fit_law(approach, force, bridge: int, closing_speed=None, samples: int | Non
     passage = np.unique(passage_numbers(closed, bridge)[closed], return_inverse=True)[1]
     depth, load = approach[:samples][closed], force[:samples][closed]
     speed = np.zeros_like(load) if closing_speed is None else closing_speed[:samples][closed]
-    fitted = 2 if closing_speed is None else 3  # of ln K, n and d
-    n_passages = int(passage.max(initial=-1)) + 1
+    fitted, n_passages = 2 if closing_speed is None else 3, passage.max(initial=-1) + 1  # of ln K, n and d
     if n_passages <= fitted + 1:
         raise InputError(
             f"{n_passages} passages of rollers through the load zone in the first {samples} samples, at least "
@@ -224,12 +211,12 @@ def fit_law(approach, force, bridge: int, closing_speed=None, samples: int | Non
     inside = depth > 0.0
     if inside.sum() < FEWEST_SAMPLES or np.std(np.log(depth[inside])) < LEAST_SPREAD:
         raise InputError("the contacts' approaches hardly vary: they fix no exponent; use a run with a load zone")
-    units = [rms(depth[inside]), rms(load), rms(speed)]  # in which the parameters are found
-    if not units[1] > LEAST_FORCE:
-        raise InputError(f"the contact forces, {units[1]:.3g} N rms, are too small to fit a law to")
-    if closing_speed is not None and not units[2] > 0.0:
+    deep, strong, fast = (rms(each) for each in (depth[inside], load, speed))  # in which the parameters are found
+    if not strong > LEAST_FORCE:
+        raise InputError(f"the contact forces, {strong:.3g} N rms, are too small to fit a law to")
+    if closing_speed is not None and not fast > 0.0:
         raise InputError("the run has nothing that fixes a damping: nothing moves")
-    logarithm, speed = np.log(np.where(inside, depth / units[0], 1.0)), speed / (units[2] or 1.0)
+    logarithm, speed = np.log(np.where(inside, depth / deep, 1.0)), speed / (fast or 1.0)
 
     def model(parameters):  # dimensionless forces, and their derivatives by ln K, n and d
         spring = np.where(inside, np.exp(parameters[0] + parameters[1] * logarithm), 0.0)
@@ -239,10 +226,11 @@ def fit_law(approach, force, bridge: int, closing_speed=None, samples: int | Non
         return np.where(pushes, total, 0.0), np.where(pushes[:, None], columns, 0.0)
 
     found = least_squares(
-        lambda p: model(p)[0] - load / units[1], np.array([0.0, 1.1, 0.0])[:fitted], jac=lambda p: model(p)[1],
+        lambda p: model(p)[0] - load / strong, np.array([0.0, 1.1, 0.0])[:fitted], jac=lambda p: model(p)[1],
         method="lm", xtol=1e-12, ftol=1e-12, gtol=1e-12)  # fmt: skip
-    if not found.success or not 0.2 < found.x[1] < 5.0:
-        raise InputError(f"the run's forces follow no power law of the approach (exponent {found.x[1]:.3g})")
+    best, exponent = found.x, found.x[1]
+    if not found.success or not 0.2 < exponent < 5.0:
+        raise InputError(f"the run's forces follow no power law of the approach (exponent {exponent:.3g})")
     if np.linalg.matrix_rank(found.jac) < fitted:
         raise InputError("the run's forces do not fix all numbers of the law; use a longer run, or a named law")
     # covariance of the parameters, times Student's t squared, from the passages' scores
@@ -251,23 +239,25 @@ def fit_law(approach, force, bridge: int, closing_speed=None, samples: int | Non
     bread = np.linalg.inv(found.jac.T @ found.jac)
     reach = stdtrit(n_passages - fitted, 0.5 + 0.5 * CONFIDENCE)
     covariance = reach**2 * n_passages / (n_passages - 1) * bread @ (score.T @ score) @ bread
-    half, exponent = np.sqrt(np.diag(covariance)), float(found.x[1])
+
+    def interval(*weights: float) -> np.ndarray:
+        """A sum of the parameters so weighted, and its interval's ends."""
+        row = np.append(weights, np.zeros(fitted - len(weights)))
+        return row @ best + np.array([0.0, -1.0, 1.0]) * np.sqrt(row @ covariance @ row)
+
     # ln K = ln K' + ln Q0 − n ln δ0: K and n are correlated, and K's interval is wide
-    weights = np.append([1.0, -np.log(units[0])], np.zeros(fitted - 2))
-    log_stiffness = found.x[0] + np.log(units[1]) - exponent * np.log(units[0])
-    ends = np.array([0.0, -1.0, 1.0])
-    stiffness = Interval(*np.exp(log_stiffness + ends * np.sqrt(weights @ covariance @ weights)).tolist())
+    stiffness = Interval(*np.exp(interval(1.0, -np.log(deep)) + np.log(strong)))
     damping, constant = None, UNDAMPED
     if closing_speed is not None:
-        damping = Interval(*(units[1] / units[2] * (found.x[2] + ends * half[2])).tolist())
+        damping = Interval(*(strong / fast * interval(0.0, 0.0, 1.0)))
         constant = ContactDamping(constant=damping.value)
     spring = PowerLaw(
         name=FITTED[fitted - 2], stiffness=stiffness.value, exponent=exponent, range="the depths it was fitted to",
         source="fitted to the run's own contact forces, Q = K δ^n")  # fmt: skip
     return Identification(
-        DampedLaw(spring=spring, damping=constant), stiffness, Interval(*(exponent + ends * half[1]).tolist()), damping,
-        samples, contacts=load.size, passages=n_passages, depth=(float(depth.min()), float(depth.max())),
-        scatter=units[1] * rms(found.fun))  # fmt: skip
+        DampedLaw(spring=spring, damping=constant), stiffness, Interval(*interval(0.0, 1.0)), damping,
+        samples, contacts=load.size, passages=n_passages, depth=(depth.min(), depth.max()),
+        scatter=strong * rms(found.fun))  # fmt: skip
 
 
 def passage_numbers(closed: np.ndarray, bridge: int) -> np.ndarray:

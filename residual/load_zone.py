@@ -31,7 +31,7 @@ def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
 
 def chatter_gap(record: Record) -> int:
     """Longest opening within one pass through the load zone, samples: 5 % of a cage revolution."""
-    cage = float(np.mean(np.abs(kinematics(record.bearing, *record.acting.ring_speeds).cage))) / (2.0 * pi)
+    cage = np.mean(np.abs(kinematics(record.bearing, *record.acting.ring_speeds).cage)) / (2.0 * pi)
     samples = record.time.size // 50
     return max(1, samples if samples * record.interval * cage <= CHATTER else int(CHATTER / cage / record.interval))
 
@@ -42,7 +42,7 @@ def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
     def merit(j):
         zones = load_zones(loaded[:, j], bridge)
         whole = sum(first > 0 and last < loaded.shape[0] - 1 for first, last in zones)
-        return len(zones), whole, int(loaded[:, j].sum())
+        return len(zones), whole, loaded[:, j].sum()
 
     return max(range(loaded.shape[1]), key=merit)
 
@@ -65,7 +65,7 @@ def quasi_static(record: Record, law: str) -> QuasiStatic | None:
     name = law if law in known else known[0]
     laws, found, start = contact_laws(name, bearing), [], None
     phases = PHASES * round(bearing.period * bearing.pockets / (2.0 * pi))
-    ring = tuple(np.mean(place) for place in np.subtract(record.hub, (record.inner_x, record.inner_y)))
+    ring = tuple(np.mean(record.hub - record.inner, axis=1))
     for phase in np.arange(phases + 1) / phases * bearing.period:
         angles = roller_angles(bearing, operation.first_roller_angle) + phase
         try:
@@ -98,7 +98,7 @@ def along_rollers(record: Record) -> AlongRollers | None:
     if axial is None or slices is None or any(each is None for each in (*forces, *moments)):
         return None
     force, moment = np.asarray(forces[0]), np.asarray(moments[0])
-    sample = int(np.unravel_index(np.abs(moment).argmax(), force.shape)[0])
+    sample = np.unravel_index(np.abs(moment).argmax(), force.shape)[0]
     rollers = np.sort(np.argsort(force[sample])[-ROLLERS:])
     bins = np.floor((record.from_load / (2.0 * pi) + 0.5) * BINS).astype(int).ravel() % BINS
     around, along, edges = np.zeros((2, BINS, slices[0].count)), [], False
@@ -120,7 +120,7 @@ def along_rollers(record: Record) -> AlongRollers | None:
         except (RuntimeError, ValueError):
             return None
         along.append(rows)
-        edges |= bool(ends.are_loaded(own, borne(pair, found)).any())
+        edges |= ends.are_loaded(own, borne(pair, found)).any()
     angle = 2.0 * pi * ((np.arange(BINS) + 0.5) / BINS - 0.5)
     time = float(record.time[sample])
     return AlongRollers(slices[0].place, angle, around, time, rollers, np.array(along), edges)

@@ -14,6 +14,7 @@ from lagrange.axial.slices import Slices
 from lagrange.bearing import Bearing, Operation
 from lagrange.equations import Overlaps, approaches, farthest_place
 from lagrange.errors import InputError
+from lagrange.motion import Tilts
 from lagrange.scene.run import per_roller
 from lagrange.scene.scene import Scene
 from lagrange.surface.deviation import Turns
@@ -25,7 +26,6 @@ SHORTEST_INTERVAL = 1e-12  # s
 SAME_SPEED = 1e-3  # relative: a tenth of a bin of a record of 100 shaft turns
 OF_OUTER_RING = ("outer_ring_x", "outer_ring_y", "outer_ring_ax", "outer_ring_ay")
 SMALL_LOAD = 0.05  # of the largest contact force: rollers press by preload or rattle, not under a smaller load
-Pair = tuple[np.ndarray, np.ndarray]  # along x and y
 Held = np.ndarray | None  # None where the source holds none
 
 
@@ -41,12 +41,12 @@ class CageMotion:
 
     def speed(self, interval: float) -> float:
         """Mean angular speed, rad/s; samples are so many s apart."""
-        return float((self.angle[-1] - self.angle[0]) / (interval * (self.angle.size - 1)))
+        return (self.angle[-1] - self.angle[0]) / (interval * (self.angle.size - 1))
 
     def whirl(self, interval: float) -> float:
         """Mean angular speed of its centre about the bearing's, rad/s."""
         angle = np.unwrap(np.arctan2(self.y, self.x))
-        return float((angle[-1] - angle[0]) / (interval * (angle.size - 1)))
+        return (angle[-1] - angle[0]) / (interval * (angle.size - 1))
 
 
 COLUMNS = {f"cage_{each.name}": each.name for each in fields(CageMotion)}  # of a result file, by what they are here
@@ -105,14 +105,29 @@ class Record:
     attributes: Mapping[str, object] = field(default_factory=dict)
     stated_errors: tuple[StatedError, ...] = ()  # of the error of the discretisation
     notes: tuple[str, ...] = ()  # what a user should know about how the source was read
-    precision: float = float(np.finfo(float).eps)  # relative precision of the stored numbers
+    precision: float = np.finfo(float).eps  # relative precision of the stored numbers
+
+    def along(self, name: str) -> Held:
+        """A quantity along x and y, (2, n_times), by its name without the axis; None where the source lacks either."""
+        pair = [getattr(self, name + axis) for axis in "xy"]
+        return None if any(each is None for each in pair) else np.array(pair)
 
     @property
-    def hub(self) -> Pair:
-        """Places of the inner ring's centre in the fixed frame, along x and y, (n_times,), m."""
-        if self.outer_ring_x is None or self.outer_ring_y is None:
-            return self.inner_x, self.inner_y
-        return self.inner_x + self.outer_ring_x, self.inner_y + self.outer_ring_y
+    def inner(self) -> np.ndarray:
+        """Places of the inner ring's centre from the outer ring's, along x and y, (2, n_times), m."""
+        return np.array([self.inner_x, self.inner_y])
+
+    @property
+    def hub(self) -> np.ndarray:
+        """The same in the fixed frame."""
+        ring = self.along("outer_ring_")
+        return self.inner if ring is None else self.inner + ring
+
+    @property
+    def tilts(self) -> Tilts:
+        """Slopes of rollers and hub, without their rates."""
+        tilt, x, y = map(np.asarray, (self.roller_tilt, self.inner_slope_x, self.inner_slope_y))
+        return Tilts(tilt=tilt, tilt_rate=0.0 * tilt, slope_x=x, slope_y=y)
 
     @cached_property
     def bearing(self) -> Bearing:
@@ -128,16 +143,15 @@ class Record:
         return self.operation.at(self.time)
 
     @property
-    def whole_load(self) -> Pair:
-        """Loads and weight of the hub along x and y, N, each (n_times,)."""
-        acting = self.acting
-        down = acting.radial_load + acting.inner_mass * acting.gravity
-        return np.broadcast_to(acting.side_load, self.time.shape), np.broadcast_to(-down, self.time.shape)
+    def whole_load(self) -> np.ndarray:
+        """Loads and weight of the hub along x and y, N, (2, n_times)."""
+        acting, none = self.acting, np.zeros(self.time.size)
+        return np.array([acting.side_load + none, none - (acting.radial_load + acting.inner_mass * acting.gravity)])
 
     @cached_property
     def load(self) -> float:
         """Rms of the whole load's magnitude, N: the force that all others are compared with."""
-        return float(np.sqrt(np.mean(np.square(self.whole_load).sum(axis=0))))
+        return np.sqrt(np.mean(np.sum(self.whole_load**2, axis=0)))
 
     @property
     def mean_speeds(self) -> tuple[float, float]:
@@ -148,7 +162,7 @@ class Record:
     @property
     def reverses(self) -> bool:
         """Whether a ring turns both ways, so that means of signed speeds say nothing."""
-        return any(bool(np.min(speed) < 0.0 < np.max(speed)) for speed in self.acting.ring_speeds)
+        return any(np.min(speed) < 0.0 < np.max(speed) for speed in self.acting.ring_speeds)
 
     @cached_property
     def varies_speed(self) -> bool:
@@ -158,18 +172,18 @@ class Record:
     @property
     def interval(self) -> float:
         """Sampling interval, s."""
-        return float((self.time[-1] - self.time[0]) / (self.time.size - 1))
+        return (self.time[-1] - self.time[0]) / (self.time.size - 1)
 
     @cached_property
     def cage_speed(self) -> float:
         """Mean angular speed of the rollers' centres about the outer ring's centre, rad/s, signed."""
         angle = np.unwrap(np.arctan2(self.roller_y, self.roller_x), axis=0)
-        return float(np.mean(angle[-1] - angle[0]) / (self.time[-1] - self.time[0]))
+        return np.mean(angle[-1] - angle[0]) / (self.time[-1] - self.time[0])
 
     @property
     def orbits(self) -> float:
         """Turns of the rollers about the outer ring's centre; a mean slip has a meaning from one on."""
-        return abs(self.cage_speed) * float(self.time[-1] - self.time[0]) / (2.0 * pi)
+        return abs(self.cage_speed) * (self.time[-1] - self.time[0]) / (2.0 * pi)
 
     @property
     def from_load(self) -> np.ndarray:
@@ -214,7 +228,7 @@ def first_sample(record: Record, start: float | None) -> tuple[int, list[str]]:
         if numerics.start == "rest" and numerics.load_ramp_ms > 0.0:
             start = numerics.load_ramp_ms * 1e-3
             notes.append(f"started from rest: the load ramp of {numerics.load_ramp_ms:g} ms is left out")
-    first = int(np.searchsorted(time, time[0] + start - 0.5 * record.interval))
+    first = np.searchsorted(time, time[0] + start - 0.5 * record.interval)
     if time.size - first < FEWEST_SAMPLES:
         raise InputError(
             f"{record.source}: starting at {1e3 * start:g} ms leaves {time.size - first} samples of the run's "
@@ -284,7 +298,7 @@ def checked(record: Record) -> Record:
             f"({np.count_nonzero(bad)} such values); the run broke down there, leave those samples out",
         )
     steps = np.diff(time)
-    i = int(np.argmax(steps <= 0.0))
+    i = np.argmax(steps <= 0.0)
     refuse_if(
         steps[i] <= 0.0,
         f"time does not rise after sample {i} ({time[i]:.9g} s is followed by {time[i + 1]:.9g} s); sort it",
@@ -294,15 +308,15 @@ def checked(record: Record) -> Record:
         f"the sampling interval is {record.interval:.3g} s, at least {SHORTEST_INTERVAL:g} s is taken; is time in "
         "seconds?",
     )
-    i = int(np.argmax(np.abs(steps - record.interval)))
+    i = np.argmax(np.abs(steps - record.interval))
     refuse_if(
         abs(steps[i] - record.interval) > TIME_JITTER * record.interval,
         f"the sampling interval after sample {i} is {steps[i]:.6g} s, the mean one {record.interval:.6g} s (may differ "
         f"by {TIME_JITTER:g} of it); --resample brings a table to equal steps",
     )
     rho, hub = np.hypot(record.roller_x, record.roller_y), np.hypot(record.inner_x, record.inner_y)
-    i, j = divmod(int(np.argmax(np.abs(rho - pitch))), n_rollers)
-    farthest, k = farthest_place(record.bearing), int(np.argmax(hub))
+    i, j = divmod(np.argmax(np.abs(rho - pitch)), n_rollers)
+    farthest, k = farthest_place(record.bearing), np.argmax(hub)
     refuse_if(
         abs(rho[i, j] - pitch) > farthest,
         f"roller {j} is {rho[i, j]:.4g} m from the centre at sample {i}, the scene's pitch radius is {pitch:.4g} m; "

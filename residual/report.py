@@ -155,21 +155,18 @@ def spectra_json(e: Evaluation, equations: bool = True) -> str:
         x, y = (power_spectrum(signal, interval, slowest) for signal in e.hub_acceleration)
     kept = np.arange(1, x.frequency.size)
     if kept.size > MOST_POINTS:
-        low = np.flatnonzero((x.frequency > 0.0) & (x.frequency <= ALL_BELOW))[:MOST_POINTS]
-        rest = kept[low.size :]
-        groups = np.array_split(rest, min(rest.size, MOST_POINTS // 2))
-        peaks = [group[np.argmax(psd[group])] for group in groups for psd in (x.psd, y.psd)]
-        kept = np.unique(np.concatenate([low, peaks]))
-    least = 1e-16 * max(float(each.psd[kept].max()) for each in (x, y))
-    return _script({
-        "frequency": _rounded(x.frequency[kept], 7), "x": _rounded(np.maximum(x.psd[kept], least), DIGITS),
-        "y": _rounded(np.maximum(y.psd[kept], least), DIGITS),
-        "lines": [
-            {"name": name, "frequency": float(f"{frequency:.7g}"), "colour": LINE_COLOURS[family(name)]}
-            for name, frequency in sorted(e.lines.items(), key=lambda line: ("×" in line[0], line[1]))
-        ],
+        low = min(MOST_POINTS, np.count_nonzero(x.frequency[kept] <= ALL_BELOW))
+        groups = [group for group in np.array_split(kept[low:], MOST_POINTS // 2) if group.size]
+        peaks = [group[np.argmax(of.psd[group])] for group in groups for of in (x, y)]
+        kept = np.unique([*kept[:low], *peaks])
+    least = 1e-16 * max(of.psd[kept].max() for of in (x, y))
+    lines = sorted(e.lines.items(), key=lambda line: ("×" in line[0], line[1]))
+    marks = ((name, float(f"{at:.7g}"), LINE_COLOURS[family(name)]) for name, at in lines)
+    densities = {axis: _rounded(np.maximum(of.psd[kept], least), DIGITS) for axis, of in (("x", x), ("y", y))}
+    return _script(densities | {
+        "frequency": _rounded(x.frequency[kept], 7), "resolution": float(f"{x.resolution:.6g}"),
+        "lines": [dict(zip(("name", "frequency", "colour"), mark, strict=True)) for mark in marks],
         "names": ["error_x", "error_y"] if equations else ["x", "y"], "unit": "N²/Hz" if equations else "m²/s⁴/Hz",
-        "resolution": float(f"{x.resolution:.6g}"),
     })  # fmt: skip
 
 
@@ -189,22 +186,22 @@ def player_json(e: Evaluation) -> str:
     """
     t, bearing, passing = e.record, e.record.bearing, e.lines.get("BPFO", 0.0)
     frames = max(2, min(MOST_FRAMES, MOST_NUMBERS // (2 * bearing.n_rollers)))
-    step = 1.0 / (FRAMES_PER_PASSAGE * passing * t.interval) if passing > 0.0 else t.time.size / frames
-    frames, step = min(frames, int((t.time.size - 1) / max(step, 1.0)) + 1), max(step, 1.0)
+    step = max(1.0, 1.0 / (FRAMES_PER_PASSAGE * passing * t.interval) if passing > 0.0 else t.time.size / frames)
+    frames = min(frames, int((t.time.size - 1) / step) + 1)
     shown = t.time.size - 1 - np.round(step * np.arange(frames)[::-1]).astype(int)  # samples that become frames
     path = slice(None, None, -(-t.time.size // PATH_POINTS))
-    load = np.array(t.whole_load)  # of the hub, its weight included; written as shares of the largest
     radii = bearing.core_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius, bearing.outside_radius
-    hub = 1e6 * np.array([t.inner_x, t.inner_y])
+    hub, load = 1e6 * t.inner, t.whole_load
     *rings, roller = _rounded((1e3 * r for r in (*radii, bearing.roller_radius)), 6)
     turn = np.mod(turned(bearing, t.operation, t.time[shown]).shaft, 2.0 * np.pi)
-    angle = np.arctan2(t.roller_y[shown], t.roller_x[shown])
+    load = load / (np.hypot(*load).max() or 1.0)  # as shares of the largest
+    rows = {
+        "load": (load[:, shown], 4), "hub": (hub[:, shown], 5), "path": (hub[:, path], 5), "force": (e.force[shown], 4),
+        "angle": (np.arctan2(t.roller_y[shown], t.roller_x[shown]), 5),
+    }  # fmt: skip
     return _script({
-        "rings": rings, "roller": roller,
-        "load": [_rounded(row, 4) for row in load[:, shown] / (float(np.hypot(*load).max()) or 1.0)],
-        "time": _rounded(1e3 * t.time[shown], 6), "turn": _rounded(turn, 4),
-        "hub": [_rounded(row, 5) for row in hub[:, shown]], "angle": [_rounded(row, 5) for row in angle],
-        "force": [_rounded(row, 4) for row in e.force[shown]], "path": [_rounded(row, 5) for row in hub[:, path]],
+        "rings": rings, "roller": roller, "time": _rounded(1e3 * t.time[shown], 6), "turn": _rounded(turn, 4),
+        **{name: [_rounded(row, digits) for row in values] for name, (values, digits) in rows.items()},
     })  # fmt: skip
 
 
@@ -256,7 +253,7 @@ KEYS: dict[type, tuple[str, dict[str, Callable[[Any], Any]]]] = {
         {
             "hub_std_x_m": lambda s: s.hub["x"], "hub_std_y_m": lambda s: s.hub["y"],
             "error_rms_x_N": lambda s: s.error["x"], "error_rms_y_N": lambda s: s.error["y"],
-            "settled_from_s": lambda s: None if s.settled is None else float(s.start[s.settled]),
+            "settled_from_s": lambda s: None if s.settled is None else s.start[s.settled],
         },
     ),
     LawScore: (
@@ -271,87 +268,88 @@ KEYS: dict[type, tuple[str, dict[str, Callable[[Any], Any]]]] = {
 
 
 def numbers(found: Any) -> Any:
-    """An object's numbers by their keys, as JSON has them; each of a list's or an array's; others as they are."""
+    """An object's numbers by their keys, as JSON has them; each of a dictionary's, a list's or an array's."""
     if type(found) in KEYS:
         names, computed = KEYS[type(found)]
         pairs = (name.partition("=") for name in names.split())
-        own = {key: attrgetter(attribute or key)(found) for key, _, attribute in pairs}
-        return {key: numbers(value) for key, value in (own | {k: of(found) for k, of in computed.items()}).items()}
-    if isinstance(found, np.ndarray):
+        found = {key: attrgetter(attribute or key)(found) for key, _, attribute in pairs} | {
+            key: of(found) for key, of in computed.items()
+        }
+    if isinstance(found, dict):
+        return {key: numbers(value) for key, value in found.items()}
+    if isinstance(found, np.ndarray | np.generic):
         return found.tolist()
     return [numbers(each) for each in found] if isinstance(found, list | tuple) else found
 
 
 def summarise(e: Evaluation, options: ReportOptions) -> dict:
     """Content of summary.json: `budget_*` are the terms' rms, `budget_mean_*` add up to the error's mean."""
-    t, cage, search, said = e.record, e.record.cage, options.search, e.diagnosis
-    noise, (low, high) = numbers(e.position_noise), e.loaded_range
+    t, cage, search, said, orders = e.record, e.record.cage, options.search, e.diagnosis, e.x.orders
+    (low, high), noise = e.loaded_range, e.position_noise
     summary: dict[str, Any] = {
-        "run": t.name, "source": shown(t.source.name), "law": e.law.name, "samples": int(t.time.size),
+        "run": t.name, "source": shown(t.source.name), "law": e.law.name, "samples": t.time.size,
         "interval_s": t.interval, "start_s": e.start, "order": e.order,
         "frequency_resolution_Hz": e.x.spectrum.resolution, "segments": e.x.spectrum.segments,
         "kinematic_lines_Hz": e.lines,
         "cage_Hz": {"observed": e.lines.get("FTF"), "rolling_without_slip": None if t.reverses else e.ideal_cage},
         "diagnosis": {
             "verdict": None if isinstance(said, str) else said.verdict,
-            "reasons": [said] if isinstance(said, str) else list(said.reasons),
+            "reasons": [said] if isinstance(said, str) else said.reasons,
         },
-        "orders": None, "watched": [{"x": numbers(x), "y": numbers(y)} for x, y in e.watched],
+        "orders": None, "watched": [dict(zip("xy", lines, strict=True)) for lines in e.watched],
         "loaded_rollers": {"min": low, "max": high},
-        "differentiation_floor_N": dict(zip("xy", e.floors, strict=True)),
+        "differentiation_floor_N": {d.name: d.floor for d in e.directions},
         "load_N": t.load,  # of the plane section
         "bearing_load_N": load_factor(t.bearing) * t.load,
-        "position_noise": None if noise is None else noise | {"within": e.within_noise},
-        "quarters": numbers(e.quarters), "tolerance_N": options.tolerance, "verdict": e.outcome(options.tolerance),
-        "contradictions": findings.contradictions(e), "notes": list(e.notes), "laws": numbers(e.laws),
+        "position_noise": noise and {**numbers(noise), "within": e.within_noise},
+        "quarters": e.quarters, "tolerance_N": options.tolerance, "verdict": e.outcome(options.tolerance),
+        "contradictions": findings.contradictions(e), "notes": e.notes, "laws": e.laws,
         "identification": None,
     }  # fmt: skip
     if cage is not None:  # null where the shaft reverses, and slip within one turn
-        speed, ideal = cage.speed(t.interval), 2.0 * np.pi * e.ideal_cage
-        guiding, none = np.hypot(cage.guidance_x, cage.guidance_y), ideal == 0.0 or t.orbits < 1.0
+        speed, whirl = ((None if t.reverses else of(t.interval) / (2.0 * np.pi)) for of in (cage.speed, cage.whirl))
+        slips = speed is not None and e.ideal_cage != 0.0 and t.orbits >= 1.0
         summary["cage"] = {
-            "speed_Hz": None if t.reverses else speed / (2.0 * np.pi),
-            "slip": None if t.reverses or none else 1.0 - abs(speed) / ideal,
-            "largest_offset_m": float(np.hypot(cage.x, cage.y).max()),
-            "whirl_Hz": None if t.reverses else cage.whirl(t.interval) / (2.0 * np.pi),
-            "largest_pocket_force_N": float(np.abs(cage.force).max()),
-            "largest_guidance_force_N": float(guiding.max()),
-        }
+            "speed_Hz": speed, "whirl_Hz": whirl, "slip": 1.0 - abs(speed or 0.0) / e.ideal_cage if slips else None,
+            "largest_offset_m": np.hypot(cage.x, cage.y).max(),
+            "largest_pocket_force_N": np.abs(cage.force).max(),
+            "largest_guidance_force_N": np.hypot(cage.guidance_x, cage.guidance_y).max(),
+        }  # fmt: skip
     if search is not None:
-        summary |= {"faults": numbers(search.found), "faults_seen": numbers(search.maps)}
+        summary |= {"faults": search.found, "faults_seen": search.maps}
         summary["faults_left_stand_out"] = max((m.deepest[1] for m in search.left), default=0.0)
     if e.tilt is not None:
         summary["tilt"] = tilt_summary(e.tilt)
-    if e.x.orders is not None:
-        tracking = e.x.orders.tracking
-        ends = {"start_s": float(tracking.time[0]), "end_s": float(tracking.time[-1])}
-        summary["orders"] = ends | {"resolution": e.x.orders.path.resolution, "lines": tracking.lines} | {
+    if orders is not None:
+        peaks = {
             f"peaks_{d.name}": [
-                {"order": p.frequency, "rms_m": p.rms, "line": p.line, "resolved": p.resolved}
-                for p in (d.orders.peaks if d.orders is not None else ())
+                {"order": p.frequency, "rms_m": p.rms, "line": p.line, "resolved": p.resolved} for p in d.orders.peaks
             ]
-            for d in e.directions
+            for d in e.directions if d.orders is not None
         }  # fmt: skip
+        time = orders.tracking.time
+        summary["orders"] = {"start_s": time[0], "end_s": time[-1], "resolution": orders.path.resolution,
+                             "lines": orders.tracking.lines, **peaks}  # fmt: skip
     if (fit := e.identification) is not None:  # in SI, and the errors on the part of the record it was not fitted to
-        held_back = {"start_s": float(t.time[fit.samples]), "samples": int(t.time.size - fit.samples)}
-        held_back |= {f"error_{axis}": numbers(error) for axis, error in zip("xy", e.judged, strict=True)}
-        until = {"fitted_until_s": float(t.time[fit.samples - 1]), "held_back": held_back}
+        held_back = {"start_s": t.time[fit.samples], "samples": t.time.size - fit.samples}
+        held_back |= {f"error_{axis}": error for axis, error in zip("xy", e.judged, strict=True)}
+        until = {"fitted_until_s": t.time[fit.samples - 1], "held_back": held_back}
         summary["identification"] = numbers(fit) | until
     for d in e.directions:
-        terms = {name: rms(v) for name, v in d.budget.terms.items()}
-        balance = {} if d.balance is None else {"momentum": d.balance.rms}
-        found = {
+        found: dict[str, Any] = {
             "error": d.error, "peaks": d.peaks, "lines": d.levels, "vibration": d.vibration,
-            "budget_mean": {name: float(np.mean(v)) for name, v in d.budget.terms.items()}, "budget": terms | balance,
-            "away_from_contact_changes": d.away, **({"momentum": d.balance} if balance else {}),
+            "away_from_contact_changes": d.away, "budget": {name: rms(v) for name, v in d.budget.terms.items()},
+            "budget_mean": {name: np.mean(v) for name, v in d.budget.terms.items()},
         }  # fmt: skip
-        summary |= {f"{key}_{d.name}": numbers(value) for key, value in found.items()}
-    return summary
+        if d.balance is not None:
+            found["budget"]["momentum"], found["momentum"] = d.balance.rms, d.balance
+        summary |= {f"{key}_{d.name}": value for key, value in found.items()}
+    return numbers(summary)
 
 
 def _write_arrays(e, path):
     """Write residual.nc: HDF5 with dimension scales, which is NetCDF-4."""
-    psd, density = "one-sided PSD of", "N2 Hz-1"
+    psd, density, tracked = "one-sided PSD of", "N2 Hz-1", e.x.orders
     with hdf5_to_write(path, track_order=True) as file:
 
         def add(name: str, values: np.ndarray, dimension: str, unit: str, long_name: str) -> None:
@@ -359,9 +357,9 @@ def _write_arrays(e, path):
 
         add("time", e.record.time, "time", "s", "time")  # dimensions before what they are of
         add("frequency", e.x.spectrum.frequency, "frequency", "Hz", "frequency")
-        if e.x.orders is not None:
-            turns = f"cycles per turn of the {e.x.orders.tracking.ring}"
-            add("shaft_order", e.x.orders.path.frequency, "shaft_order", "1", turns)
+        if tracked is not None:
+            turns = f"cycles per turn of the {tracked.tracking.ring}"
+            add("shaft_order", tracked.path.frequency, "shaft_order", "1", turns)
         add("loaded_rollers", e.loaded_count.astype(np.int32), "time", "1", "rollers in the load zone")
         for d, equation in zip(e.directions, ("equation (22)", "equation (23), load moved over"), strict=True):
             error, body = f"error_{d.name}", d.vibration.body

@@ -5,13 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lagrange.equations import Overlaps
 from lagrange.step_size import SAMPLES_OF_ROLLERS
 from lagrange.surface.passages import SAMPLES, spalls
-from residual.budget import Budget
 from residual.formatting import length, text
 from residual.laws import Law
 from residual.record import Record
-from residual.spectrum import Statistics, power_spectrum, response, rms, stencil
+from residual.spectrum import power_spectrum, response, rms, stencil
 
 FOLDED = 5.0  # times what differentiation errs by: a momentum balance that leaves more holds folded vibration
 WELL_SAMPLED = 0.05  # of the sampling rate: below, twenty samples a period resolve force and acceleration alike
@@ -20,7 +20,7 @@ DIFFERENCES = 8  # order: of motion a hundred times slower than the sampling not
 NORMAL = 1.4826  # standard deviation over median magnitude
 WHOLE = 0.02  # of a step: gaps between rounded numbers are multiples of it but for their own round-off
 ENOUGH = 20_000  # samples that show a step
-ROUND_OFF = 64 * float(np.finfo(float).eps)  # relative: steps below are those of stored numbers
+ROUND_OFF = 64 * np.finfo(float).eps  # relative: steps below are those of stored numbers
 UNIFORM = np.sqrt(1.0 / 12.0)  # rms of the rounding to a step, over the step
 WITHIN = 2.0  # times the noise floor: an error no larger may be noise, whose rms is estimated
 QUARTERS, PASSAGES = 4, 2.0  # of rollers in a quarter: in less, what varies is the passage itself
@@ -74,38 +74,34 @@ class TooCoarse(NamedTuple):
         )
 
 
-def too_coarse(
-    record: Record, law: Law, budget: Budget, balances: tuple[Statistics | None, Statistics | None],
-    floors: tuple[float, float], least: float, most: float,
-) -> TooCoarse | None:  # fmt: skip
+def too_coarse(record: Record, law: Law, approach, directions, least: float, most: float) -> TooCoarse | None:
     """Find vibration of a run of ours beyond its samples; of a table from elsewhere forces may be missing.
 
-    balances : of the momentum balance in x and y, N
-    floors : expected errors of differentiation, N rms
+    approach : m, (n_times, n_rollers), of the inner contacts
+    directions : of an evaluation
     least, most : N rms; balances below are of no account, and above fail
 
     None where nothing shows, or where the balance fails at frequencies too that the samples follow well.
     """
-    directions, left = (budget.x, budget.y), [each.rms for each in balances if each is not None]
-    if not record.attributes or not left or any("differentiation" not in d.terms for d in directions):
+    if not record.attributes or any("differentiation" not in d.budget.terms for d in directions):
         return None
     # of a roller between its two contacts, both taken as stiff as the inner one
-    stiffness = 2.0 * float(np.max(law.slope(budget.contacts.inner), initial=0.0))
-    mode = float(np.sqrt(stiffness / record.bearing.roller_mass) / (2.0 * np.pi))
-    worst = max(range(2), key=lambda i: left[i] - FOLDED * floors[i])
+    stiffness = 2.0 * np.max(law.slope(approach), initial=0.0)
+    mode = np.sqrt(stiffness / record.bearing.roller_mass) / (2.0 * np.pi)
+    worst = max(directions, key=lambda d: d.balance.rms - FOLDED * d.floor)
     below, slow = WELL_SAMPLED / record.interval, []
-    for force in (d.momentum for d in directions if d.momentum is not None):  # of its part below, with its mean
-        spectrum = power_spectrum(force, record.interval)
+    for d in directions:  # of its part below, with its mean
+        spectrum = power_spectrum(d.budget.momentum, record.interval)
         part = spectrum.psd[(spectrum.frequency > 0.0) & (spectrum.frequency < below)]
-        slow.append(hypot(float(np.mean(force)), float(np.sqrt(np.sum(part) * spectrum.resolution))))
+        slow += [np.mean(d.budget.momentum), np.sqrt(np.sum(part) * spectrum.resolution)]
     found = TooCoarse(
-        left=left[worst], axis="xy"[worst], floor=floors[worst], slow=hypot(*slow), below=below, mode=mode,
-        own=hypot(*(rms(d.terms["ring_flexibility"]) for d in directions)), interval=record.interval,
+        left=worst.balance.rms, axis=worst.name, floor=worst.floor, slow=hypot(*slow), below=below, mode=mode,
+        own=hypot(*(rms(d.budget.terms["ring_flexibility"]) for d in directions)), interval=record.interval,
         enough=1.0 / ((SAMPLES if spalls(record.bearing) else SAMPLES_OF_ROLLERS) * mode) if mode > 0.0 else np.inf,
     )  # fmt: skip
-    if hypot(*left) > most:
+    if hypot(*(d.balance.rms for d in directions)) > most:
         return found if found.slow <= most or (found.seldom and found.own <= most) else None
-    return found if found.seldom and left[worst] > max(FOLDED * floors[worst], least) else None
+    return found if found.seldom and found.left > max(FOLDED * found.floor, least) else None
 
 
 def rate_notes(resonance: float, interval: float, order: int) -> list[str]:
@@ -116,7 +112,7 @@ def rate_notes(resonance: float, interval: float, order: int) -> list[str]:
             f"the Nyquist frequency {nyquist:.4g} Hz lies below the inner ring's resonance, about {resonance:.3g} Hz: "
             f"vibration there is aliased and the inertia force is wrong; {lower}"
         ]
-    if resonance == 0.0 or (gain := float(response(resonance, interval, order))) >= STENCIL_GAIN:
+    if resonance == 0.0 or (gain := response(resonance, interval, order)) >= STENCIL_GAIN:
         return []
     return [
         f"at the inner ring's resonance, about {resonance:.3g} Hz, the stencil reads {100 * (1 - gain):.0f} % of "
@@ -140,7 +136,7 @@ class PositionNoise(NamedTuple):
     @property
     def error(self) -> tuple[float, float]:
         """Floor of error_x and error_y, N rms."""
-        x, y = np.hypot(self.inertia, self.law).tolist()
+        x, y = np.hypot(self.inertia, self.law)
         return x, y
 
     @property
@@ -166,7 +162,7 @@ class PositionNoise(NamedTuple):
         )
 
 
-def position_noise(record: Record, law: Law, budget: Budget, order: int) -> PositionNoise | None:
+def position_noise(record: Record, law: Law, contacts: Overlaps, order: int) -> PositionNoise | None:
     """Estimate the errors of a table's positions; None for a run of ours, which holds them to round-off.
 
     Noise is estimated from the highest frequencies of the table, where vibration beyond its sampling stands too; noise
@@ -177,22 +173,21 @@ def position_noise(record: Record, law: Law, budget: Budget, order: int) -> Posi
         return None
     x, y = record.roller_x, record.roller_y
     rollers = max(map(_rounding_step, (x, y, np.hypot(x, y))))
-    roller = max(rollers * UNIFORM, *(float(np.median(_noise_level(place))) for place in (x, y)))
+    roller = max(rollers * UNIFORM, *(np.median(_noise_level(place)) for place in (x, y)))
     mass_rate, weights = record.operation.inner_mass / record.interval**2, stencil(order)  # N/m
-    gain = float(np.linalg.norm(weights))
-    jump = float(np.linalg.norm(np.cumsum(weights)))  # of a step from one sample to the next
-    slope, steps, hub, inertia, of_law = law.slope(budget.contacts.inner), [], list[float](), [], []
-    for place in (record.inner_x, record.inner_y):
-        white, step = float(_noise_level(place)), _rounding_step(place) if np.ptp(place) > 0.0 else rollers
+    gain = np.linalg.norm(weights)
+    jump = np.linalg.norm(np.cumsum(weights))  # of a step from one sample to the next
+    slope, steps, hub, inertia, of_law = law.slope(contacts.inner), [], list[float](), [], []
+    for place in record.inner:
+        white, step = _noise_level(place), _rounding_step(place) if np.ptp(place) > 0.0 else rollers
         seldom = min(gain * UNIFORM, jump * np.sqrt(np.mean(np.diff(place) != 0.0)))
         inertia.append(mass_rate * max(white * gain, step * seldom))
         hub.append(max(white, step * UNIFORM))
         steps.append(step)
-    along = budget.contacts.direction_x, budget.contacts.direction_y
-    for a in along:
+    for a in (along := (contacts.direction_x, contacts.direction_y)):
         shared = [np.mean(np.sum(slope * a * b, axis=1) ** 2) for b in along]  # (N/m)²
         single = np.mean(np.sum((slope * a) ** 2, axis=1))
-        of_law.append(float(np.sqrt(shared[0] * hub[0] ** 2 + shared[1] * hub[1] ** 2 + single * roller**2)))
+        of_law.append(np.sqrt(shared[0] * hub[0] ** 2 + shared[1] * hub[1] ** 2 + single * roller**2))
     return PositionNoise(max(*steps, rollers), tuple(hub), roller, tuple(inertia), tuple(of_law))
 
 
@@ -209,9 +204,9 @@ def _rounding_step(places):
     """Step to which values are rounded, by the gaps between them, in their unit; 0 where none shows."""
     values = np.unique(places[:ENOUGH])
     gaps = np.diff(values)
-    gaps = gaps[gaps > ROUND_OFF * float(np.abs(values).max(initial=0.0))]
+    gaps = gaps[gaps > ROUND_OFF * np.abs(values).max(initial=0.0)]
     counts = gaps / gaps.min(initial=np.inf)
-    return float(gaps.min()) if gaps.size and np.all(np.abs(counts - np.round(counts)) < WHOLE) else 0.0
+    return gaps.min() if gaps.size and np.all(np.abs(counts - np.round(counts)) < WHOLE) else 0.0
 
 
 class Stationarity(NamedTuple):

@@ -29,10 +29,7 @@ OPTIONAL = ("inner_ax", "inner_ay", *FORCES)
 KEPT = {*ENERGIES, *OF_MOUNTING, *(each.name for each in fields(Record))}
 TURN, SPIN = "roller_turn", "roller_spin"  # rotation of the rollers; its rate, less exact
 MOST_STATED_ERRORS, LONGEST_WORDS = 1000, 2000
-ATTRIBUTES = (
-    "scene", "committed_samples", "format_version", "program", "program_version", "status", "warnings", "mesh_nodes",
-    "degrees_of_freedom", "time_step", "critical_time_step", "steps", "wall_seconds", "setup_seconds",
-)  # fmt: skip
+ATTRIBUTES = ("committed_samples", "format_version", "program", "status", "warnings", "degrees_of_freedom")
 SOLVER = "run-fem"  # attribute `program`: of a file that holds all variables
 # of tables
 LONGEST_QUOTE = 200  # characters of a header in a message
@@ -95,41 +92,41 @@ def read_result(path: str | Path) -> Record:
 
 def _from_file(path, file):
     attributes = {name: _plain(file.attrs[name]) for name in ATTRIBUTES if name in file.attrs}
-    printed = ("status", "warnings", "program_version")
-    attributes |= {name: _words(attributes[name]) for name in printed if name in attributes}
-    if not {"scene", "committed_samples"} <= attributes.keys():
+    attributes |= {name: _words(attributes[name]) for name in ("status", "warnings") if name in attributes}
+    version, n = attributes.get("format_version"), attributes.get("committed_samples")
+    if n is None or "scene" not in file.attrs:
         raise InputError(
             f"{path}: not a result file of run-fem: the attributes scene and committed_samples are missing"
         )
-    version, n = attributes.get("format_version"), attributes["committed_samples"]
     if version != FORMAT_VERSION:
         raise InputError(
             f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; run the scene again"
         )
     scene = parse_stored_scene(hdf5.read_scene_text(file), f"{path}, attribute scene", hdf5.read_scene_files(file))
-    centre, axial, rollers = scene.mounting().centre, scene.ideal_axial(), scene.bearing.present
-    needed = (*MOTION, *centre[:2])
+    centre, axial, rollers, cage = scene.mounting().centre, scene.ideal_axial(), scene.bearing.present, None
     held = [name for name in columns_of("", *scene.parts) if name in KEPT or name in centre]
-    missing = [n for n in (held if attributes.get("program") == SOLVER else needed) if not hdf5.has(file, n)]
-    if missing:
+    needed = held if attributes.get("program") == SOLVER else (*MOTION, *centre[:2])
+    if missing := [name for name in needed if not hdf5.has(file, name)]:
         raise InputError(f"{path}: missing {', '.join(missing)}; is it a result file? Run the scene again")
     if not isinstance(n, int) or n < 0:
         raise InputError(f"{path}: committed_samples = {n!r} must be a whole number >= 0; the file is damaged")
     if n < FEWEST_SAMPLES:
         raise InputError(f"{path}: {n} committed samples, at least {FEWEST_SAMPLES} are needed; simulate longer")
     of_cage = COLUMNS if scene.cage is not None and all(hdf5.has(file, name) for name in COLUMNS) else {}
-    names = dict.fromkeys((*held, TURN if hdf5.has(file, TURN) else SPIN, *of_cage))
-    arrays, size = {name: hdf5.check_array(file, name, n) for name in names if hdf5.has(file, name)}, 0
-    for name, data in arrays.items():  # before anything is read
-        if data.shape[1:] not in ((), (rollers,)):
-            raise InputError(f"{path}: {name} holds {data.shape[1]} rollers, its scene says {rollers}")
-        size += 8 * n * (rollers if data.ndim > 1 else 1)
+    names = [name for name in dict.fromkeys((*held, TURN, *of_cage)) if hdf5.has(file, name)]
+    names += [] if TURN in names or not hdf5.has(file, SPIN) else [SPIN]
+    size = 0
+    for name in names:  # before anything is read
+        shape = hdf5.check_array(file, name, n).shape
+        if shape[1:] not in ((), (rollers,)):
+            raise InputError(f"{path}: {name} holds {shape[1]} rollers, its scene says {rollers}")
+        size += 8 * n * (rollers if len(shape) > 1 else 1)
     if size > LARGEST_READ:
         raise InputError(
             f"{path}: {size / 2**30:.1f} GiB of arrays, at most {LARGEST_READ / 2**30:.0f} are read; "
             "store less often (numerics.output_interval_us)"
         )
-    arrays = {name: hdf5.read_numbers(file, name, n) for name in arrays}
+    arrays = {name: hdf5.read_numbers(file, name, n) for name in names}
     if (spin := arrays.pop(SPIN, None)) is not None:  # of a run on perfect surfaces: its record looks like any other
         from scipy.integrate import cumulative_trapezoid
 
@@ -137,7 +134,8 @@ def _from_file(path, file):
         arrays[TURN] = time[0] * spin[:1] + cumulative_trapezoid(spin, time, axis=0, initial=0.0)
     energies = {name: arrays.pop(name) for name in (*ENERGIES, *OF_MOUNTING) if name in arrays}
     arrays = relative(arrays, centre)
-    cage = records.CageMotion(**{of: arrays.pop(name) for name, of in of_cage.items()}) if of_cage else None
+    if of_cage:
+        cage = records.CageMotion(**{of: arrays.pop(name) for name, of in of_cage.items()})
     notes = [warning for warning in attributes.get("warnings", "").splitlines() if warning]
     if (status := attributes.setdefault("status", "unknown")) != "complete":
         notes.append(f"the run is not complete (status: {status}); its first {n} samples are used")
@@ -148,18 +146,18 @@ def _from_file(path, file):
         slices = contact_slices(bearing, axial, contact_laws(scene.lagrange.law, bearing))
     elif axial is not None:
         slices = read_slices(file, bearing, axial)
-    columns, stated = [], ("meaning", "unit", "value", "error")  # what `run-fem --estimate-error` has said
-    for name in stated if all(hdf5.has(file, f"quantity_{name}") for name in stated) else ():
-        number = name in ("value", "error")
-        data = hdf5.check_array(file, f"quantity_{name}", 0, kinds="f" if number else "OS", dimensions=(1,))
+    # as `run-fem --estimate-error` writes it
+    columns, kinds = [], {"meaning": "OS", "unit": "OS", "value": "f", "error": "f"}
+    for name, kind in kinds.items() if all(hdf5.has(file, f"quantity_{name}") for name in kinds) else ():
+        data = hdf5.check_array(file, f"quantity_{name}", 0, kinds=kind, dimensions=(1,))
         if len(data) > MOST_STATED_ERRORS:
             raise hdf5.Damaged(f"quantity_{name} holds {len(data)} values, at most {MOST_STATED_ERRORS} are read")
-        columns.append([_plain(value) if number else _words(_plain(value)) for value in data[:]])
+        columns.append([_plain(value) if kind == "f" else _words(_plain(value)) for value in data[:]])
     return Record(
         name=shown(path.stem), source=path, scene=scene, energies=energies, cage=cage, attributes=attributes,
         stated_errors=tuple(records.StatedError(*row) for row in zip(*columns, strict=True)), slices=slices,
-        notes=tuple(notes),
-        precision=float(max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))), **arrays,
+        notes=tuple(notes), **arrays,
+        precision=float(max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))),
     )  # fmt: skip
 
 
@@ -192,19 +190,16 @@ def read_table(path: str | Path, scene: Scene, resample: bool = False, kinematic
     InputError: no such file, not text, columns missing or twice, a number of rollers other than the scene's, a row
     that can't be read, more than fits in memory, and all that `checked` refuses.
     """
-    path, notes, centre = Path(path), list[str](), scene.mounting().centre
+    path, centre = Path(path), scene.mounting().centre
     arrays = _columns(path, scene, kinematic)
     if "roller_rho" in arrays:
         rho, theta = arrays.pop("roller_rho"), np.unwrap(arrays.pop("roller_theta"), axis=0)
         arrays["roller_x"], arrays["roller_y"] = rho * np.cos(theta), rho * np.sin(theta)
         for axis, place in zip("xy", centre, strict=False):  # polar coordinates are about the outer ring's centre
             arrays[f"roller_{axis}"] += arrays[place][:, None]
-    if (clock := even_clock(arrays["time"])) is not None:
-        arrays["time"] = clock[0]
-        notes.append(clock[1])
-    if resample:
-        arrays, note = _evenly_sampled(path, arrays)
-        notes += [note] if note else []
+    arrays["time"], *notes = even_clock(arrays["time"]) or (arrays["time"],)
+    if resample and uneven(*arrays.values()):
+        notes.append(_resample(path, arrays))
     if "inner_force" not in arrays:
         notes.append("the table has no contact forces: the error is not split into terms, and no law can be fitted")
     else:
@@ -334,14 +329,20 @@ def _columns_found(path, header, scene, kinematic):
     return found
 
 
+def uneven(time: np.ndarray, *others: np.ndarray) -> bool:
+    """Whether steps of time differ, in arrays that the other checks do not refuse."""
+    if time.size < FEWEST_SAMPLES or not all(np.isfinite(each).all() for each in (time, *others)):
+        return False
+    steps, mean = np.diff(time), (time[-1] - time[0]) / (time.size - 1)
+    return bool(np.all(steps > 0.0) and np.max(np.abs(steps - mean)) > TIME_JITTER * mean)
+
+
 def even_clock(time: np.ndarray) -> tuple[np.ndarray, str] | None:
     """Times of an even clock whose stamps were rounded, with a note; None: they are even, or no such clock's."""
-    if time.size < FEWEST_SAMPLES or not np.all(np.isfinite(time)) or np.any(np.diff(time) <= 0.0):
+    if not uneven(time):
         return None
-    mean, centred = (time[-1] - time[0]) / (time.size - 1), np.arange(time.size) - 0.5 * (time.size - 1)
-    if np.max(np.abs(np.diff(time) - mean)) <= TIME_JITTER * mean:
-        return None
-    interval = float(centred @ (time - time.mean()) / (centred @ centred))
+    centred = np.arange(time.size) - 0.5 * (time.size - 1)
+    interval = centred @ (time - time.mean()) / (centred @ centred)
     even = time.mean() + interval * centred
     for place in (10.0**-k for k in DECIMALS):
         if np.max(np.abs(time / place - np.round(time / place))) < 1e-3:  # of stamps as floats: 1e-3 of a place
@@ -351,40 +352,30 @@ def even_clock(time: np.ndarray) -> tuple[np.ndarray, str] | None:
     return None
 
 
-def _evenly_sampled(path, arrays):
-    """Bring arrays to as many equal steps, with a note; unchanged and None where the steps are equal already.
+def _resample(path, arrays):
+    """Bring arrays to as many equal steps; a note.
 
-    InputError: time falls or stands, a gap of more than ten intervals, too few samples. Vibration above a quarter of
-    the mean sampling rate is not to be trusted afterwards.
+    InputError: a gap of more than ten intervals. Vibration above a quarter of the mean sampling rate is not to be
+    trusted afterwards.
     """
     from scipy.interpolate import make_interp_spline
 
     time = arrays["time"]
-    if time.size < FEWEST_SAMPLES or not np.all(np.isfinite(time)):
-        return arrays, None  # refused with the other checks
-    steps, even = np.diff(time), (time[-1] - time[0]) / (time.size - 1)
-    i, k = int(np.argmax(steps <= 0.0)), int(np.argmax(steps))
-    if steps[i] <= 0.0:
-        raise InputError(f"{path}: time does not rise after sample {i} ({time[i]:.9g} s); sort it, --resample can't")
-    if np.max(np.abs(steps - even)) <= TIME_JITTER * even:
-        return arrays, None
+    steps, k, equal = np.diff(time), np.argmax(np.diff(time)), np.linspace(time[0], time[-1], time.size)
     if steps[k] > LARGEST_GAP * np.median(steps):
         raise InputError(
             f"{path}: a gap of {steps[k]:.4g} s after sample {k}, {steps[k] / np.median(steps):.3g} intervals long; "
             f"--resample bridges at most {LARGEST_GAP:g}"
         )
-    equal = np.linspace(time[0], time[-1], time.size)
-    result = {"time": equal}
     for name, value in arrays.items():
         if name in FORCES:
-            result[name] = np.column_stack([np.interp(equal, time, column) for column in value.T])
-        elif name != "time":
-            if not np.all(np.isfinite(value)):
-                raise InputError(f"{path}: {name} holds values that are not finite; leave those samples out")
+            arrays[name] = np.column_stack([np.interp(equal, time, column) for column in value.T])
+        else:
             middle = value.mean(axis=0)
-            result[name] = middle + make_interp_spline(time, value - middle, k=SPLINE_DEGREE)(equal)
-    return result, (
+            arrays[name] = middle + make_interp_spline(time, value - middle, k=SPLINE_DEGREE)(equal)
+    arrays["time"] = equal
+    return (
         f"the sampling was irregular (intervals {steps.min():.4g} to {steps.max():.4g} s) and has been resampled to "
-        f"{time.size} samples every {even:.4g} s, motion by a spline of degree {SPLINE_DEGREE}, "
+        f"{time.size} samples every {steps.mean():.4g} s, motion by a spline of degree {SPLINE_DEGREE}, "
         "forces by straight lines"
     )

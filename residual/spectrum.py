@@ -114,13 +114,13 @@ def floor(signal, interval: float, order: int = 6, eps: float = np.finfo(float).
     gain = response(spectrum.frequency[1:], interval, order)
     missed = spectrum.psd[1:] * ((1.0 - gain) / gain) ** 2
     size = np.max(np.abs(signal if eps > 1e-10 else signal - signal.mean()))
-    round_off = float(np.sum(np.abs(stencil(order))) * eps * size / interval**2)
-    return Floor(round_off, float(np.sqrt(np.sum(missed) * spectrum.resolution)))
+    round_off = np.sum(np.abs(stencil(order))) * eps * size / interval**2
+    return Floor(round_off, np.sqrt(np.sum(missed) * spectrum.resolution))
 
 
 def rms(signal) -> float:
     """Root of the mean square, in the signal's unit."""
-    return float(np.sqrt(np.mean(signal**2)))
+    return np.sqrt(np.mean(signal**2))
 
 
 class Level(NamedTuple):
@@ -133,8 +133,8 @@ class Level(NamedTuple):
 
     @classmethod
     def of(cls, signal: np.ndarray) -> "Level":
-        level, peak = rms(signal), float(np.max(np.abs(signal)))
-        return cls(level, peak, *((peak / level, float(np.mean((signal / level) ** 4))) if level else (None, None)))
+        level, peak = rms(signal), np.max(np.abs(signal))
+        return cls(level, peak, *((peak / level, np.mean((signal / level) ** 4)) if level else (None, None)))
 
 
 class Statistics(NamedTuple):
@@ -147,7 +147,7 @@ class Statistics(NamedTuple):
 
     @classmethod
     def of(cls, signal: np.ndarray) -> "Statistics":
-        return cls(float(np.mean(signal)), rms(signal), float(np.std(signal)), float(np.max(np.abs(signal))))
+        return cls(np.mean(signal), rms(signal), np.std(signal), np.max(np.abs(signal)))
 
 
 @dataclass(frozen=True)
@@ -194,7 +194,7 @@ class Spectrum:
     def band_rms(self, low: float, high: float) -> float:
         """Rms of the signal in the band low … high, Hz, in N: the root of the density's sum over its bins."""
         inside = (self.frequency >= low) & (self.frequency <= high)
-        return float(np.sqrt(np.sum(self.psd[inside]) * self.resolution))
+        return np.sqrt(np.sum(self.psd[inside]) * self.resolution)
 
 
 class Peak(NamedTuple):
@@ -277,12 +277,12 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float]) -> list[Peak]:
             left, right = (psd[i - 1] if i > 1 else 0.0), psd[i + 1]
             ratio = np.sqrt(max(left, right) / psd[i])
             offset = max(0.0, (2.0 * ratio - 1.0) / (ratio + 1.0))
-            frequency = float(i + (offset if right >= left else -offset)) * step
+            frequency = (i + (offset if right >= left else -offset)) * step
         near = sorted((abs(value - frequency), name) for name, value in lines.items())
         names = [name for distance, name in near if distance <= step]
         alone = not any(distance < MAIN_LOBE * step and name not in names[:1] for distance, name in near)
         peaks.append(Peak(
-            frequency, float(psd[i]), spectrum.band_rms((i - 2.5) * step, (i + 2.5) * step),
+            frequency, psd[i], spectrum.band_rms((i - 2.5) * step, (i + 2.5) * step),
             alone and frequency >= MAIN_LOBE * step, next(iter(names), None), tuple(names[1 : 1 + MOST_OTHERS]),
         ))  # fmt: skip
     return peaks

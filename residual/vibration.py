@@ -112,12 +112,10 @@ def _level(spectrum, name, frequency, among):
     obstacle, gap, half = _surroundings(frequency, among, spectrum.resolution)
     low, high = frequency - half, frequency + half
     inside = (spectrum.frequency >= low) & (spectrum.frequency <= high) & (spectrum.frequency > 0.0)
-    power, background = (
-        float(of[inside].sum() * spectrum.resolution) for of in (spectrum.psd, spectrum.smooth_background)
-    )
+    power, background = (of[inside].sum() * spectrum.resolution for of in (spectrum.psd, spectrum.smooth_background))
     freedom = 2.0 * spectrum.segments * max(1.0, inside.sum() / spectra.NOISE_BINS)
-    stands_out = bool(power > background * (chdtri(freedom, 1.0 - SURE) / freedom))
-    resolved, needed = bool(gap >= MAIN_LOBE * spectrum.resolution), MAIN_LOBE / gap
+    stands_out = power > background * (chdtri(freedom, 1.0 - SURE) / freedom)
+    resolved, needed = gap >= MAIN_LOBE * spectrum.resolution, MAIN_LOBE / gap
     return LineLevel(name, frequency, sqrt(power), sqrt(background), low, high, stands_out, resolved, obstacle, needed)
 
 
@@ -134,7 +132,7 @@ def watched_level(spectrum: Spectrum, wanted: str, lines: dict[str, float]) -> L
 
     InputError: neither a line's name nor a frequency within the spectrum.
     """
-    sides, top = sidebands(lines), float(spectrum.frequency[-1])
+    sides, top = sidebands(lines), spectrum.frequency[-1]
     among = lines | sides
     name = re.sub(r"(?<=\d)x", "×", wanted.strip().replace("-", "−").replace("*", "×"))
     frequency = {key.lower(): value for key, value in among.items()}.get(name.lower())
@@ -207,15 +205,15 @@ def measured(record: Record, accelerations: Accelerations | None = None) -> list
 
     `accelerations` : from positions; None: the integrator's own alone count
     """
-    mounting, found = record.scene.mounting(), []
-    for i, axis in enumerate("xy"):
-        hub, ring, housing = (getattr(record, f"{name}_a{axis}") for name in ("inner", "outer_ring", "housing"))
-        if accelerations is not None:
-            hub = accelerations.whole[i] if hub is None else hub
-            ring = accelerations.outer_ring[i] if ring is None else ring
-        moved = None if mounting.housing is None else ring if mounting.bore is None else housing
-        found.append(("hub", hub) if moved is None else ("housing", moved))
-    return [found[0], found[1] if record.sensor_ay is None else ("sensor", record.sensor_ay)]
+    mounting = record.scene.mounting()
+    hub, ring, housing = map(record.along, ("inner_a", "outer_ring_a", "housing_a"))
+    if accelerations is not None:
+        hub = accelerations.whole if hub is None else hub
+        ring = accelerations.outer_ring if ring is None else ring
+    moved = None if mounting.housing is None else ring if mounting.bore is None else housing
+    body, along = ("hub", hub) if moved is None else ("housing", moved)
+    x, y = (None, None) if along is None else along
+    return [(body, x), (body, y) if record.sensor_ay is None else ("sensor", record.sensor_ay)]
 
 
 def _fault_band(acceleration, interval, inner, cage):
@@ -251,7 +249,7 @@ def vibration(
         )
     spectrum, bands = power_spectrum(motion, interval, cage), {}
     top, transform, frequency = spectrum.frequency[-1], fft.rfft(motion), fft.rfftfreq(motion.size, interval)
-    for low, high in ((low, min(high, float(top))) for low, high in BANDS if low + spectrum.resolution < top):
+    for low, high in ((low, min(high, top)) for low, high in BANDS if low + spectrum.resolution < top):
         part = fft.irfft(np.where((frequency >= low) & (frequency < high), transform, 0.0), motion.size)
         bands[low, high] = Level.of(part)._replace(rms=spectrum.band_rms(low, high))
     faults = [] if found is None else envelope_lines(found, lines)
@@ -268,7 +266,7 @@ def velocity_level(spectrum: Spectrum) -> float | None:
         return None
     inside = (spectrum.frequency >= low) & (spectrum.frequency <= high)
     of_velocity = spectrum.psd[inside] / (2.0 * np.pi * spectrum.frequency[inside]) ** 2
-    return float(np.sqrt(np.sum(of_velocity) * spectrum.resolution))
+    return np.sqrt(np.sum(of_velocity) * spectrum.resolution)
 
 
 def fault_lines(lines: dict[str, float]) -> dict[str, float]:
@@ -297,10 +295,10 @@ def envelope_lines(found: Envelope, lines: dict[str, float]) -> list[FaultLine]:
         beside = beside[(beside > half + step) & (beside < top - half)]
         if beside.size >= FEWEST_NEIGHBOURS and frequency + half < top:
             amplitude, *others = (np.sqrt(2.0) * spectrum.band_rms(f - half, f + half) for f in (frequency, *beside))
-            floor = float(np.median(others))
-            ratio = float(amplitude) / floor if floor > 0.0 else 0.0
+            floor = np.median(others)
+            ratio = amplitude / floor if floor > 0.0 else 0.0
             described.append(FaultLine(
-                name, frequency, float(amplitude), floor, ratio, resolved=gap >= MAIN_LOBE * step,
+                name, frequency, amplitude, floor, ratio, resolved=gap >= MAIN_LOBE * step,
                 is_high=ratio >= STANDS_OUT, nearest=nearest, record_needed=MAIN_LOBE / gap))  # fmt: skip
     least = SIDE_LOBE * max((line.amplitude for line in described), default=0.0)
     described = [line._replace(is_high=line.is_high and line.amplitude >= least) for line in described]
@@ -371,11 +369,11 @@ def order_spectra(tracking: Tracking, error: np.ndarray, path: np.ndarray, accel
     from scipy.signal import decimate
 
     lines, angles = tracking.lines, tracking.angles
-    step, slowest = float((angles[-1] - angles[0]) / (angles.size - 1)), lines["FTF"]
+    step, slowest = (angles[-1] - angles[0]) / (angles.size - 1), lines["FTF"]
     passing, place = max(lines["BPFO"], lines["BPFI"]), tracking.resampled(path)
     spectrum = power_spectrum(place, step, slowest)
-    interval = float(tracking.time[1] - tracking.time[0])
-    fastest = float(np.gradient(tracking.turn, interval).max())  # 1/s
+    interval = tracking.time[1] - tracking.time[0]
+    fastest = np.gradient(tracking.turn, interval).max()  # 1/s
     envelope = _fault_band(acceleration, interval, passing * fastest, slowest * fastest)
     fewer = max(1, int(0.5 / (1.5 * HIGHEST * passing * step)))  # after a filter against what lies above
     thinned = place if fewer == 1 else decimate(place, fewer, ftype="fir")

@@ -67,37 +67,33 @@ def panels(rows, height: float, *, lines: float = 1, shares=None, left=LEFT, rig
     height, left, right : float, inches, of the figure and beside the panels
     lines : lines of text, as of a legend, above the first panel of a group
     shares : heights of the panels over each other's; None: equal ones
-    x, y : names of the last group's x axis and of the y axes; over time curves reach from side to side, FROM_LOAD goes
-        around the bearing
+    x, y : names of the x axis, or of each group's, and of the y axes; FROM_LOAD goes around the bearing
     keywords : of each panel, as `projection`
     """
-    groups = (rows,) if isinstance(rows, int) else rows
+    groups, names = ((rows,), (x,)) if isinstance(rows, int) else (rows, x)
     above, count = MARGIN + LINE * lines, sum(groups)
     shares = np.ones(count) if shares is None else np.asarray(shares, dtype=float)
     room = height - len(groups) * (above + BELOW) - (count - len(groups)) * BETWEEN
     figure, top, wide = Figure(figsize=(WIDTH, height)), height, WIDTH - left - right
-    for size in groups:
+    for size, name in zip(groups, names, strict=True):
         top, first = top - above, None
         for row in range(size):
             high = room * shares[len(figure.axes)] / shares.sum()
             place = left / WIDTH, (top - high) / height, wide / WIDTH, high / height
-            axis = figure.add_axes(place, sharex=first, **keywords)
-            first = axis if first is None else first
+            axis = figure.add_axes(place, sharex=first, xmargin=0.0, **keywords)
+            first = first or axis
             if axis.name == "rectilinear":  # names of axes at fixed places
                 axis.locator_params(axis="y", nbins=MOST_STEPS)
                 axis.yaxis.set_label_coords(-NAME_BESIDE / wide, 0.5)
                 axis.xaxis.set_label_coords(0.5, -NAME_BELOW / high)
             axis.tick_params(labelbottom=row == size - 1)
-            if x.startswith("time"):
-                axis.margins(x=0.0)
-            if x == FROM_LOAD:
+            if name == FROM_LOAD:
                 axis.set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 45))
             top -= high + (BETWEEN if row < size - 1 else BELOW)
-    axes = np.array(figure.axes)
-    axes[-1].set_xlabel(x)
-    for axis, name in zip(axes, y, strict=False):
+        axis.set_xlabel(name)
+    for axis, name in zip(figure.axes, y, strict=False):
         axis.set_ylabel(name)
-    return figure, axes
+    return figure, np.array(figure.axes)
 
 
 def curves(axis, x, *rows, legend=0, **about) -> None:

@@ -30,6 +30,7 @@ SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
 SHORTEST = 2e-3  # s, over which speeds of a cage are means
 MOST_SPALLS, MOST_PASSAGES = 3, 150  # figures, of those struck hardest; passages in one: more hide each other
 MEAN_POINTS, SHOWN = 401, 2.6  # half-widths on either side of the middle
+OF_PATHS = 0.05  # of a path's width, on either side
 BESIDE_SPALL = 0.4e-3  # m, shown on either side of a spall found
 SHARP_STATED = (
     "Loaded ends of these profiles have an edge, where pressure has no limit: values there are averages over a slice."
@@ -95,6 +96,7 @@ def orbit(e: Evaluation) -> Drawing:
     figure, (axes,) = panels(1, 4.6, x="x without mean, µm", y=["y without mean, µm"])
     x, y = t.inner_x.mean(), t.inner_y.mean()
     curves(axes, 1e6 * (t.inner_x - x), (1e6 * (t.inner_y - y), BLUE, "run", {"linewidth": 0.6, "alpha": 0.8}))
+    axes.margins(x=OF_PATHS)
     caption = f"Path of the inner ring's centre about its mean, x = {length(x)}, y = {length(y)}."
     if statics is not None:
         x, y = statics.x[:-1].mean(), statics.y[:-1].mean()
@@ -119,13 +121,12 @@ def load_distribution(e: Evaluation) -> Drawing:
     if statics is not None:
         curves(axes, statics.angle, (statics.force, ORANGE, f"Lagrangian statics, {statics.law}", 1.8))
         caption += (
-            f"; line: the static equilibria of the Lagrangian model. Largest: {text(float(force.max()))} N in the run, "
-            f"{text(float(statics.force.max()))} N in the statics"
+            f"; line: the static equilibria of the Lagrangian model. Largest: {text(force.max())} N in the run, "
+            f"{text(statics.force.max())} N in the statics"
         )
     axes.set_ylim(bottom=0.0)
     axes.set_rlabel_position(112.5)
-    axes.annotate("N", (0.5, 0.5), xycoords="axes fraction", fontsize=9, color=GREY, xytext=(-14, 6),
-                  textcoords="offset points")  # fmt: skip
+    axes.text(0.46, 0.515, "N", color=GREY, fontsize=9, transform=axes.transAxes)
     axes.set_thetagrids(np.arange(0, 360, 45), [f"{a}°" for a in "0 45 90 135 180 −135 −90 −45".split()])
     axes.legend(loc="lower left", bbox_to_anchor=(-0.35, -0.02), markerscale=5)
     return Drawing("load_distribution", "Load distribution", f"{caption}.", figure)
@@ -164,7 +165,7 @@ def tilt(e: Evaluation) -> Drawing | None:
     _dots(axes[0], angle, (1e3 * np.asarray(t.roller_tilt), BLUE, None))
     _dots(axes[1], angle, (t.inner_moment, BLUE, "inner raceway"), (t.outer_moment, ORANGE, "outer raceway"))
     axes[1].legend(loc="upper left", markerscale=5)
-    x, y = (text(1e3 * float(np.asarray(each).mean())) for each in (t.inner_slope_x, t.inner_slope_y))
+    x, y = (text(1e3 * np.asarray(each).mean()) for each in (t.inner_slope_x, t.inner_slope_y))
     caption = (
         "Tilt of each roller (its +z end outwards is positive) and the moments of its contacts, all rollers "
         f"and times; they differ by the roller's inertia alone. Mean slope of the shaft: {x} mrad in x, {y} mrad in y."
@@ -177,25 +178,24 @@ def pressure(e: Evaluation) -> Drawing | None:
     found = None if e.tilt is None else along_rollers(e.record)
     if found is None:
         return None
-    figure, axes = panels((2, 1), 6.8, lines=0, shares=(1.0, 1.0, 1.6), right=SCALE)
+    x, y = (FROM_LOAD, "along the axis z, mm"), ["inner: z, mm", "outer: z, mm", "pressure, MPa"]
+    figure, axes = panels((2, 1), 6.8, lines=0, shares=(1.0, 1.0, 1.6), right=SCALE, x=x, y=y)
     z, angle = 1e3 * found.place, np.degrees(found.angle)
     ends = np.append(z - 0.5 * (z[1] - z[0]), -z[0] + 0.5 * (z[1] - z[0]))  # of slices
     shown = np.ma.masked_equal(1e-6 * found.around, 0.0)
-    for axis, side, values in zip(axes, ("inner", "outer"), shown, strict=False):
-        image = axis.pcolormesh(angle, z, values.T, vmin=0.0, vmax=float(shown.max()), cmap="viridis",
+    for axis, values in zip(axes, shown, strict=False):
+        image = axis.pcolormesh(angle, z, values.T, vmin=0.0, vmax=shown.max(), cmap="viridis",
                                 shading="nearest", rasterized=True)  # fmt: skip
-        axis.set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 45), ylabel=f"{side}: z, mm")
         axis.grid(visible=False)
-    axes[1].set_xlabel(FROM_LOAD)
     colour_bar(image, axes[:2], "pressure, MPa")
     for j, colour, *sides in zip(found.rollers, (BLUE, ORANGE, GREEN), *found.along, strict=False):
         for values, line, label in zip(sides, ("-", DASHED), (f"roller {j}", None), strict=True):
             axes[2].step(ends, 1e-6 * np.append(values, values[-1]), where="post", color=colour, linestyle=line,
                          label=label)  # fmt: skip
     axes[2].plot([], [], color=GREY, linestyle=DASHED, label="outer")
-    axes[2].set(xlabel="along the axis z, mm", ylabel="pressure, MPa", ylim=(0.0, None), xlim=(ends[0], ends[-1]))
+    axes[2].set_ylim(bottom=0.0)
     axes[2].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handlelength=1.0, handletextpad=0.5)
-    peak = [text(1e-6 * float(each.max())) for each in found.around]
+    peak = [text(1e-6 * each.max()) for each in found.around]
     caption = (
         "Pressure on both raceways, unrolled: at every angle the contact with the largest force. Below: pressure along "
         f"the most loaded rollers at {text(1e3 * found.time)} ms, when a contact has the largest moment, by slices. "
@@ -216,18 +216,17 @@ def energy(e: Evaluation) -> Drawing | None:
     curves(axes[0], time, *rows)
     legend_above(axes[0], len(rows), 0.0 if len(rows) <= SHORT_ROW else LONG_ROW, columnspacing=0.9, handlelength=1.1)
     imbalance = energy_imbalance(energies)
-    scale = float(np.mean(energies["energy_elastic"] + energies["energy_contact"]))
-    scale += float(np.ptp(energies["work_dissipated"]))  # an imbalance accumulates, as this does
+    scale = np.mean(energies["energy_elastic"] + energies["energy_contact"])
+    scale += np.ptp(energies["work_dissipated"])  # an imbalance accumulates, as this does
     curves(axes[1], time, (1e6 * imbalance, "black", None, 1.1))
-    share = ""
-    if scale > 0.0:
-        share = f"; at most {text(100.0 * float(np.abs(imbalance).max()) / scale, 2)} % of the mean strain energy and "
-        share += "the dissipated energy together"
     caption = (
         "Energies and works since the first sample shown. Imbalance: all energies − external work + dissipated, as "
-        f"changes{share}."
+        "changes"
     )
-    return Drawing("energy", "Energy balance of the run", caption, figure)
+    if scale > 0.0:
+        share = text(100.0 * np.abs(imbalance).max() / scale, 2)
+        caption += f"; at most {share} % of the mean strain energy and the dissipated energy together"
+    return Drawing("energy", "Energy balance of the run", f"{caption}.", figure)
 
 
 def energy_imbalance(energies) -> np.ndarray:
@@ -250,53 +249,48 @@ def passage(e: Evaluation) -> Drawing | None:
     margin = (last - first) // 12
     shown = slice(max(0, first - margin), last + margin + 1)
     place = angle[shown] - 360.0 * np.round(angle[(first + last) // 2] / 360.0)
-    rows: list[tuple] = [(t.inner_force[shown, j], BLUE, "inner raceway", 1.1)]
-    if t.outer_force is not None:
-        style = {"linewidth": 1.1, "linestyle": (0, (5, 2))}
-        rows.append((t.outer_force[shown, j], RED, "outer raceway", style))
-    rows.append((budget.law_force[shown, j], GREY, f"law {e.law.name}, inner"))
-    tractions = [
-        (of[shown, j], colour) for of, colour in ((t.inner_traction, BLUE), (t.outer_traction, RED)) if of is not None
-    ]
-    tangential = len(tractions) == 2
-    figure, axes = panels(2 if tangential else 1, 5.2 if tangential else 3.4)
-    curves(axes[0], place, *rows, legend=3, ylim=(0.0, None), ylabel="normal force, N")
+    dashed = {"linewidth": 1.1, "linestyle": (0, (5, 2))}
+    normal: list[tuple] = [
+        (t.inner_force, BLUE, "inner raceway", 1.1), (t.outer_force, RED, "outer raceway", dashed),
+        (budget.law_force, GREY, f"law {e.law.name}, inner", 0.9),
+    ]  # fmt: skip
+    tangential = [(t.inner_traction, BLUE, None, 0.9), (t.outer_traction, RED, None, 0.9)]
+    below = all(of is not None for of, *_ in tangential)
+    figure, axes = panels(1 + below, 3.4 + 1.8 * below, y=["normal force, N", "traction on the roller, N"])
+    for axis, rows in zip(axes, (normal, tangential), strict=False):
+        curves(axis, place, *((of[shown, j], *look) for of, *look in rows if of is not None))
+    legend_above(axes[0], 3)
+    axes[0].set_ylim(bottom=0.0)
     caption = (
         f"Roller {j} on its way through the load zone, {text(1e3 * t.time[first])} to {text(1e3 * t.time[last])} ms: "
         "normal forces of both raceways (the outer one also carries the centrifugal force) and the force by the law "
-        "for the same approach"
+        f"for the same approach{'; below: tractions, positive counter-clockwise' if below else ''}."
     )
-    if tangential:
-        curves(axes[1], place, *tractions, ylabel="traction on the roller, N")
-        caption += "; below: tractions, positive counter-clockwise"
-    axes[-1].margins(x=0.0)
     axes[-1].set_xlabel(FROM_LOAD)
-    return Drawing("passage", f"Roller {j} through the load zone", f"{caption}.", figure)
+    return Drawing("passage", f"Roller {j} through the load zone", caption, figure)
 
 
 def against(e: Evaluation, other: Evaluation) -> Drawing:
     laws = e.record.source == other.record.source
-    figure, axes = panels((2, 1, 2), 12.0, shares=(1.0, 1.0, 1.3, 1.0, 1.0), x="frequency, Hz")
+    over_time, density, what, of = ("hub {}, µm", "PSD, {}, m²/s⁴/Hz", "motion of the hub", "acceleration of the hub")
+    if laws:
+        over_time, density, what, of = ("error_{}, N", "PSD of error_{}, N²/Hz", "error forces", "error forces")
+    names = [*map(over_time.format, "xy"), "inner contact force, N", *map(density.format, "xy")]
+    x_names = ("time, ms", FROM_LOAD, "frequency, Hz")
+    figure, axes = panels((2, 1, 2), 12.0, shares=(1.0, 1.0, 1.3, 1.0, 1.0), x=x_names, y=names)
     for each, name, colour, width in zip((e, other), named(e, other), (BLUE, RED), (1.4, 0.8), strict=True):
-        t, style = each.record, {"linewidth": width}
+        t, style = each.record, (colour, name, width)
         force = each.budget.law_force if laws else each.force  # of two laws theirs, of two runs their own
         _dots(axes[2], np.degrees(t.from_load), (force, colour, name), most=MOST_COMPARED)
         slowest = min(each.lines.values(), default=0.0)
-        pairs = zip(each.directions, (t.inner_x, t.inner_y), each.hub_acceleration, strict=True)
+        pairs = zip(each.directions, t.inner, each.hub_acceleration, strict=True)
         for i, (d, place, acceleration) in enumerate(pairs):
-            curves(axes[i], 1e3 * t.time, (d.budget.error if laws else 1e6 * place, colour, name, style))
+            curves(axes[i], 1e3 * t.time, (d.budget.error if laws else 1e6 * place, *style))
             spectrum = d.spectrum if laws else power_spectrum(acceleration, t.interval, slowest)
             look.log_panel(axes[3 + i], spectrum.frequency[1:])
-            curves(axes[3 + i], spectrum.frequency[1:], (np.maximum(spectrum.psd[1:], 1e-300), colour, name, style))
-    labels = ("error_{}, N", "PSD of error_{}, N²/Hz") if laws else ("hub {}, µm", "PSD, {}, m²/s⁴/Hz")
-    for i, axis in enumerate((*axes[:2], *axes[3:])):
-        axis.set_ylabel(labels[i // 2].format("xy"[i % 2]))
-        axis.margins(x=0.0)
-    axes[1].set_xlabel("time, ms")
-    axes[2].set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 45), ylim=(0.0, None), xlabel=FROM_LOAD,
-                ylabel="inner contact force, N")  # fmt: skip
+            curves(axes[3 + i], spectrum.frequency[1:], (np.maximum(spectrum.psd[1:], 1e-300), *style))
+    axes[2].set_ylim(bottom=0.0)
     legend_above(axes[0], 2)
-    what, of = ("error forces", "error forces") if laws else ("motion of the hub", "acceleration of the hub")
     caption = (
         f"The {what} over time, forces of the inner contacts over the rollers' angle, and power spectral densities of "
         f"the {of}, overlaid."
@@ -309,14 +303,15 @@ def cage(e: Evaluation) -> Drawing | None:
     t, own, facts = e.record, e.record.cage, e.record.scene.ideal_cage()
     if own is None or facts is None:
         return None
-    figure, (path, forces, slips) = panels((1, 2), 8.4, shares=(1.6, 1.0, 1.0))
+    names = ["y, µm", "largest force, N", "slip, %"]
+    figure, (path, forces, slips) = panels((1, 2), 8.4, shares=(1.6, 1.0, 1.0), x=("x, µm", "time, ms"), y=names)
     x, y = (t.inner_x, t.inner_y) if facts.guidance == "inner_ring" else (0.0, 0.0)
     play = facts.pocket_clearance if facts.guidance_clearance is None else facts.guidance_clearance
     turn = np.linspace(0.0, 2.0 * np.pi, 200)
     curves(path, 1e6 * (own.x - x), (1e6 * (own.y - y), BLUE, None, 0.7))
     dashed = {"linewidth": 0.8, "linestyle": "--"}
     curves(path, 5e5 * play * np.cos(turn), (5e5 * play * np.sin(turn), GREY, None, dashed))
-    path.set(xlabel="x, µm", ylabel="y, µm")
+    path.margins(x=OF_PATHS)
     path.set_aspect("equal", adjustable="datalim")
     guided = np.hypot(own.guidance_x, own.guidance_y)
     rows = [
@@ -324,13 +319,11 @@ def cage(e: Evaluation) -> Drawing | None:
         (np.minimum(own.force, 0.0).min(axis=1), RED, "front wall, holds back"), (guided, GREEN, "guide"),
     ]  # fmt: skip
     curves(forces, 1e3 * t.time, *[(*row, 0.8) for row in rows[: 3 if guided.any() else 2]], legend=3)
-    forces.set_ylabel("largest force, N")
     caption = (
         "Above: path of the cage's centre about that of the bearing, or of the inner ring where that guides it; "
         "dashed: the circle that its clearance leaves. Middle: the largest force of all "
-        f"pockets along the pitch circle at each time, at most {text(float(np.abs(own.force).max()))} N."
+        f"pockets along the pitch circle at each time, at most {text(np.abs(own.force).max())} N."
     )
-    slips.set(xlabel="time, ms", ylabel="slip, %")
     if t.operation.fastest:  # slip against rolling at the shaft's speed of the same time
         reach = max(1, min(round(SHORTEST / t.interval), (t.time.size - 1) // 2))
         seconds = reach * t.interval
@@ -382,12 +375,12 @@ def passages(e: Evaluation) -> Iterator[Drawing]:
 def _overlay(e, number, found):
     record, spall = e.record, spalls(e.record.bearing)[number]
     found = found[:: -(-len(found) // MOST_PASSAGES)]
-    half = float(np.degrees(found[0].half_width))
+    half = np.degrees(found[0].half_width)
     loud = max(e.directions, key=lambda direction: direction.vibration.level.rms).name
     acceleration = e.hub_acceleration["xy".index(loud)]
     right, style = look.RIGHT, dict[str, Any](colors=SKY)
     if spall.body != "outer_ring":  # then it is passed at all places
-        middle = [each.first + int(np.argmin(np.abs(each.angle))) for each in found]
+        middle = [each.first + np.argmin(np.abs(each.angle)) for each in found]
         place = np.abs(np.degrees(record.from_load[middle, [each.roller for each in found]]))
         right, style = SCALE, {"array": place, "cmap": "viridis", "clim": (0.0, 180.0)}
     names = ["contact force, N", f"hub's acceleration, {loud}, m/s²"]
@@ -409,19 +402,16 @@ def _overlay(e, number, found):
         "from its middle: force of the contact and acceleration of the hub. Dashed: the spall's edges, "
         f"{text(half, 3)}° away."
     )
-    strikes = []  # angle, degrees, and force, N
-    for event in (event for event in spall_events(found) if event.kind == "strike"):
-        angle, time = next(
-            (angle, each.time) for angle, each in zip(angles, found, strict=True)
-            if (each.roller, each.raceway) == (event.roller, event.raceway)
-            and each.time[0] <= event.time <= each.time[-1])  # fmt: skip
-        strikes.append((float(np.interp(event.time, time, angle)), event.force))
+    strikes = [  # angle, degrees, and force, N
+        (np.interp(event.time, each.time, angle), event.force)
+        for angle, each in zip(angles, found, strict=True) for event in spall_events([each]) if event.kind == "strike"
+    ]  # fmt: skip
     if strikes:
         at, forces = np.transpose(strikes)
         axes[0].plot(at, forces, "o", color=RED, markersize=3.0, label="strikes", zorder=5)
         caption += (
             f" Dots: impacts, the first large peak after a roller was released; their medians are "
-            f"{np.median(forces):.0f} N and {text(0.5 + 0.5 * float(np.median(at)) / half, 2)} of the crossing from "
+            f"{np.median(forces):.0f} N and {text(0.5 + 0.5 * np.median(at) / half, 2)} of the crossing from "
             "the entry."
         )
     legend_above(axes[0], 3)
@@ -436,7 +426,9 @@ def search(made: FaultSearch) -> Drawing | None:
     if not made.maps:
         return None
     rows = max(1, 2 * len(made.found))
-    figure, axes = panels((1,) * rows, 3.3 * rows)
+    names = "angle in the body's own frame, degrees", "contact from the spall's middle, mm"
+    beside = ["sinkage, µm", "from the equation of motion, µm"]
+    figure, axes = panels((1,) * rows, 3.3 * rows, x=(names * rows)[:rows], y=beside * rows)
     caption = "Median of how deep rollers find the surface around each ring: no place stands out."
     maps = [(axes[2 * k], each.seen, BLUE) for k, each in enumerate(made.found)]
     if not made.found:
@@ -464,10 +456,8 @@ def search(made: FaultSearch) -> Drawing | None:
         dots = {"linestyle": "none", "marker": ".", "markersize": 3.0}
         circles = (1e6 * missed[0], ORANGE, "perfect circles", dots)
         curves(lower, 1e3 * near.beyond, circles, (1e6 * missed[1], BLUE, "with the spall found", dots))
-        lower.margins(x=0.0)
-        lower.set(xlabel="contact from the spall's middle, mm", ylabel="from the equation of motion, µm")
     for axis in axes[::2]:
-        axis.set(ylabel="sinkage, µm", xlabel="angle in the body's own frame, degrees", xlim=(-180.0, 180.0))
+        axis.set_xlim(-180.0, 180.0)
     for axis in axes:
         legend_above(axis, 3)
     return Drawing("fault_search", "Passages by the body's own angle", caption, figure)

@@ -20,12 +20,12 @@ TINY = np.finfo(float).tiny
 PASSAGES_SHOWN, PASSES_SHOWN = 5.0, 8.0  # of a run's and of a record's acceleration
 BINS_PER_DECADE = 120
 TERM_RANGE, ORDERS_RANGE, PATH_RANGE = 1e-9, 1e-8, 1e-9  # of densities shown
-NEAR = 1.7  # times a frequency: names of lines would overlap
 USUAL_TERMS, ROOM_FOR_A_TERM, INCHES_OF_A_SHARE = 4, 0.4, 1.6  # more terms take more room for their bars
 NAMES = 1.2  # inches, of terms beside their bars
 LEAST_BINS = 20  # of an envelope's spectrum, of a record shorter than a passage
 ENVELOPE_BAND, SPECTRUM_TO, LINES_TO = 3.3, 2.2, 3.2  # times BPFI: of resonances, of runs' and records' vibration
 HEADROOM = 1.05  # above the highest line
+OF_RECORDS = 0.05  # of the width of a record's spectrum or a series, on either side
 MARKED = ("FTF", "shaft", OUTER_RING, "BPFO", "BPFI")
 ON_MAP = ("FTF", "BPFO", "BPFI", "BSF")
 MOST_POINTS = 4000  # of a record's curve: beyond, the largest of neighbours
@@ -34,7 +34,7 @@ LEFT_LEGEND = {"left": -0.06, **SMALL}
 
 def whole(e: Evaluation) -> Drawing:
     figure, axes = panels(2, 6.4, lines=2, x="frequency, Hz", y=[f"PSD of error_{axis}, N²/Hz" for axis in "xy"])
-    handles, marked, mark = [], [], None
+    marked = []  # directions whose resonance is within the panel
     for axis, d in zip(axes, e.directions, strict=True):
         f, psd = d.spectrum.frequency[1:], d.spectrum.psd[1:]
         log_panel(axis, f)
@@ -50,7 +50,7 @@ def whole(e: Evaluation) -> Drawing:
             colour = LINE_COLOURS[family(peak.line)] if peak.line else colour
             axis.plot(peak.frequency, 2.2 * peak.psd, marker="v", markersize=6, color=colour, linestyle="none",
                       markerfacecolor=colour if peak.resolved else "white", clip_on=False)  # fmt: skip
-    if mark is not None:
+    if marked:
         mark.set_label(f"hub on its contacts ≈ {_resonances(marked)}")
         handles.append(mark)
     legend_above(axes[0], 3, handles=handles, columnspacing=1.4)
@@ -73,14 +73,13 @@ def resonance_envelope(e: Evaluation) -> Drawing | None:
         return None
     names = [f"envelope PSD, {d.name}, N²/Hz" for d, _ in found]
     figure, axes = panels(len(found), 0.6 + 2.4 * len(found), lines=2, x="frequency, Hz", y=names)
-    finest = max(float(envelope.spectrum.frequency[1]) for _, envelope in found)
+    finest = max(envelope.spectrum.frequency[1] for _, envelope in found)
     top = max(ENVELOPE_BAND * e.lines.get("BPFI", 1000.0), LEAST_BINS * finest)
     for axis, (_, envelope) in zip(axes, found, strict=True):
         f = envelope.spectrum.frequency
         inside = (f > 0.0) & (f <= top)
-        curves(axis, f[inside], (envelope.spectrum.psd[inside], BLUE, None, 1.0), yscale="log")
+        curves(axis, f[inside], (envelope.spectrum.psd[inside], BLUE, None, 1.0), yscale="log", xlim=(0.0, top))
         look.without_minor_ticks(axis)
-        axis.set_xlim(0.0, top)
         handles = mark_lines(axis, e.lines, 0.0, top)
     legend_above(axes[0], 3, handles=handles)
     parts = "; ".join(f"{d.name}, {v.low / 1e3:.3g} to {v.high / 1e3:.3g} kHz: {text(v.rms, 3)}" for d, v in found)
@@ -96,31 +95,29 @@ def budget(e: Evaluation) -> list[Drawing | None]:
     """The errors' terms over time and as spectra; none without contact forces."""
     x, y = e.budget.x.terms, e.budget.y.terms
     acting = {name: name.replace("_", " ") for name in x if np.any(x[name]) or np.any(y[name])}
-    return [each(e, acting) for each in (_terms, _term_spectra)] if e.budget.x.terms else []
+    return [_terms(e, acting), _term_spectra(e, acting)] if x else []
 
 
 def _terms(e, acting):
     more = ROOM_FOR_A_TERM * max(0, len(acting) - USUAL_TERMS)
-    shares, x = (1.0, 1.0, 1.4 + more / INCHES_OF_A_SHARE), "rms, N (full colour: x, faint: y)"
-    figure, (*axes, bars) = panels((2, 1), 8.4 + more, lines=2, shares=shares, left=NAMES, x=x)
-    names = ["error", *acting, "momentum"]
-    position, colours, sizes = np.arange(len(names))[::-1], [TERM_COLOURS[name] for name in names], []
+    shares, x = (1.0, 1.0, 1.4 + more / INCHES_OF_A_SHARE), ("time, ms", "rms, N (full colour: x, faint: y)")
+    names = [f"terms of error_{axis}, N" for axis in "xy"]
+    figure, (*axes, bars) = panels((2, 1), 8.4 + more, lines=2, shares=shares, left=NAMES, x=x, y=names)
+    labels = {"error": "error", **acting, "momentum": "momentum balance"}
+    position, colours, sizes = np.arange(len(labels))[::-1], [TERM_COLOURS[name] for name in labels], []
     for axis, d, offset, shade in zip(axes, e.directions, (0.19, -0.19), (1.0, 0.5), strict=True):
         rows = [(d.budget.error, "black", "error", 1.4)]
         rows += [(d.budget.terms[name], TERM_COLOURS[name], label, 0.9) for name, label in acting.items()]
-        curves(axis, 1e3 * e.record.time, *rows, ylabel=f"terms of error_{d.name}, N")
-        axis.margins(x=0.0)
+        curves(axis, 1e3 * e.record.time, *rows)
         widths = [*(rms(row[0]) for row in rows), 0.0 if d.balance is None else d.balance.rms]
         drawn = bars.barh(position + offset, widths, height=0.34, color=colours, alpha=shade)
         bars.bar_label(drawn, [f"{d.name}: {text(v, 3)} N" for v in widths], padding=4, fontsize=8.5)
         sizes += [v for v in widths if v > 0.0]
     legend_above(axes[0], 5, left=-0.1, columnspacing=1.0, handlelength=1.3)
-    axes[1].set_xlabel("time, ms")
     top = max(sizes, default=1.0)
     bars.set(xscale="log", xlim=(max(min(sizes, default=0.1) / 2.0, 1e-5 * top), 8.0 * top))
     look.without_minor_ticks(bars)
-    labels = ("error", *acting.values(), "momentum balance")
-    bars.set_yticks(position, [label.replace(" ", "\n", 1) for label in labels])
+    bars.set_yticks(position, [label.replace(" ", "\n", 1) for label in labels.values()])
     bars.grid(axis="y", visible=False)
     caption = (
         "What the error forces are made of; the terms add up to the error sample by sample. Momentum balance: the "
@@ -138,22 +135,15 @@ def _term_spectra(e, acting):
         for name, label in acting.items():
             at, density = _by_decade(d.term_spectra[name])
             curves(axis, at, (density, TERM_COLOURS[name], label))
-        top = max(float(psd.max()), 1e-30)
+        top = max(psd.max(), 1e-30)
         axis.set_ylim(TERM_RANGE * top, 10.0 * top)
-        lines = {n: at for n, at in e.lines.items() if "×" not in n and f[0] <= at <= f[-1]}
-        for name, place in lines.items():
-            axis.axvline(place, color=GREY, linestyle=look.DASHED, linewidth=0.9, zorder=0)
-            # away from a neighbour that is too near for both names
-            gaps = [other - place for other in lines.values() if 1.0 < max(other / place, place / other) < NEAR]
-            side = "center" if not gaps else "right" if min(gaps, key=abs) > 0.0 else "left"
-            if d is e.x:
-                axis.annotate(name, (place, 1.01), xycoords=("data", "axes fraction"), fontsize=9, va="bottom",
-                              ha=side, color="#555555")  # fmt: skip
-    legend_above(axes[0], 4, borderaxespad=1.6, columnspacing=1.2, handlelength=1.4)
+        terms, _ = axis.get_legend_handles_labels()
+        lines = mark_lines(axis, {name: line for name, line in e.lines.items() if "×" not in name}, f[0], f[-1])
+    legend_above(axes[0], 4, handles=[*terms, *lines], columnspacing=1.2, handlelength=1.4)
     caption = (
         "One-sided power spectral density of each term and of the error, averaged over "
-        f"{BINS_PER_DECADE} bins a decade where the record resolves more. Terms are not independent: where two of them "
-        "cancel, the error lies below both."
+        f"{BINS_PER_DECADE} bins a decade where the record resolves more. Dashed: kinematic lines. Terms are not "
+        "independent: where two of them cancel, the error lies below both."
     )
     return Drawing("budget_spectra", "Spectra of the budget's terms", caption, figure)
 
@@ -167,13 +157,12 @@ def _by_decade(spectrum):
 
 
 def acceleration(e: Evaluation) -> Drawing:
-    figure, (axis,) = panels(1, 3.2, lines=1, x="frequency, Hz")
+    figure, (axis,) = panels(1, 3.2, x="frequency, Hz", y=["amplitude, g"])
     for d, colour in zip(e.directions, (SKY, BLUE), strict=True):
         spectrum, frequency = d.vibration.spectrum, d.vibration.spectrum.frequency[1:]
         amplitude = np.maximum(spectrum.amplitude[1:] / G, TINY)
         curves(axis, frequency, (amplitude, colour, f"{d.vibration.body}, {d.name}", 0.7))
     log_panel(axis, frequency)
-    axis.set(ylabel="amplitude, g")
     legend_above(axis, 2)
     body = e.y.vibration.body
     caption = f"Amplitude spectra, not rms, Δf = {text(spectrum.resolution, 3)} Hz."
@@ -187,17 +176,15 @@ def envelope(e: Evaluation) -> Drawing | None:
     """
     if not any(line.resolved for line in e.x.vibration.lines):
         return None
-    figure, (upper, *axes) = panels((1, 2), 7.4, lines=2, shares=(0.85, 1.0, 1.0), x="frequency, Hz")
     found = [(d, d.vibration.envelope) for d in e.directions if d.vibration.envelope is not None]
     loud, loudest = max(found, key=lambda each: each[0].vibration.level.rms)
-    t, body = e.record, e.y.vibration.body
+    t, body, names = e.record, e.y.vibration.body, [f"{d.vibration.body}, {d.name}, g" for d in (loud, *e.directions)]
+    figure, (upper, *axes) = panels(
+        (1, 2), 7.4, lines=2, shares=(0.85, 1.0, 1.0), x=("time, ms", "frequency, Hz"), y=names)  # fmt: skip
     n = min(t.time.size, int(PASSAGES_SHOWN / e.lines["BPFO"] / t.interval) + 1)
     shown = slice((t.time.size - n) // 2, (t.time.size + n) // 2)
     band = loudest.band[shown] / G, SKY, "acceleration in the band", 0.6
-    level = loudest.level[shown] / G, BLUE, "its envelope", 0.8
-    upper.margins(x=0.0)
-    of = f"{loud.vibration.body}, {loud.name}, g"
-    curves(upper, 1e3 * t.time[shown], band, level, legend=2, xlabel="time, ms", ylabel=of)
+    curves(upper, 1e3 * t.time[shown], band, (loudest.level[shown] / G, BLUE, "its envelope", 0.8), legend=2)
     top = SPECTRUM_TO * max(e.lines[name] for name in ("BPFO", "BPFI"))
     lines = {name: e.lines[name] for name in MARKED[:3] if name in e.lines} | fault_lines(e.lines)
     for axis, (d, each) in zip(axes, found, strict=True):
@@ -205,17 +192,16 @@ def envelope(e: Evaluation) -> Drawing | None:
         frequency = each.spectrum.frequency
         inside = (frequency > 0.0) & (frequency <= top)
         amplitude = each.spectrum.amplitude[inside] / G
-        curves(axis, frequency[inside], (amplitude, BLUE, None, 1.0))
-        highest, names = float(amplitude.max()), []
+        curves(axis, frequency[inside], (amplitude, BLUE, None, 1.0), xlim=(0.0, top))
+        highest, high = amplitude.max(), []
         for line in (line for line in d.vibration.lines if line.is_high and line.frequency <= top):
             colour, height, sideband = LINE_COLOURS[family(line.name)], line.amplitude / G, {*line.name} & {*"−+"}
             axis.plot(line.frequency, height, "o", color=colour, markersize=3.0 if sideband else 4.5,
                       markerfacecolor=colour if line.resolved else "white")  # fmt: skip
-            names += [] if sideband else [(line.frequency, line.name, colour)]
+            high += [] if sideband else [(line.frequency, line.name, colour)]
             highest = max(highest, height)
-        axis.set(xlim=(0.0, top), ylim=(0.0, HEADROOM * max(highest, TINY)))
-        axis.set_ylabel(f"{d.vibration.body}, {d.name}, g")
-        look.name_lines(axis, names)
+        axis.set_ylim(0.0, HEADROOM * max(highest, TINY))
+        look.name_lines(axis, high)
     legend_above(axes[0], 5, handles=handles, **LEFT_LEGEND)
     caption = (
         f"Acceleration of the {loud.vibration.body} within {text(1e-3 * loudest.low, 3)} to "
@@ -236,24 +222,25 @@ def orders(e: Evaluation) -> Drawing | None:
     x, y, body = e.x.orders, e.y.orders, e.y.vibration.body
     if x is None or y is None:
         return None
-    tracking, short, unit = x.tracking, y.short_time, 1e12  # µm²
-    shown = [("path x, µm²", x.path, unit), ("path y, µm²", y.path, unit)]
+    tracking, short = x.tracking, y.short_time
+    shown = [("path x, µm²", x.path, 1e12), ("path y, µm²", y.path, 1e12)]
     if y.envelope is not None:
         shown.append(("envelope y, (m/s²)²", y.envelope, 1.0))
-    rows = (len(shown),) if short is None else (len(shown), 1)
-    figure, axes = panels(rows, 0.6 + 2.0 * sum(rows), right=look.RIGHT if short is None else SCALE)
+    names = [*(f"{name}/order" for name, *_ in shown), "order"]
+    rows, right, x_names = [len(shown)], look.RIGHT, [f"order, per turn of the {tracking.ring}"]
+    if short is not None:
+        rows, right, x_names = [*rows, 1], SCALE, [*x_names, "time, ms"]
+    figure, axes = panels(rows, 0.6 + 2.0 * sum(rows), right=right, x=x_names, y=names)
     top = HIGHEST * max(tracking.lines["BPFO"], tracking.lines["BPFI"])
-    for axis, (name, spectrum, scale) in zip(axes, shown, strict=False):
+    for axis, (_, spectrum, scale) in zip(axes, shown, strict=False):
         handles = mark_lines(axis, tracking.lines, 0.0, top, "")
         inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
         psd = np.maximum(scale * spectrum.psd[inside], 1e-300)
         limits = {"xlim": (0.0, top), "ylim": (PATH_RANGE * psd.max(), 10.0 * psd.max())}
-        axis.set_yscale("log")
-        curves(axis, spectrum.frequency[inside], (psd, BLUE), ylabel=f"{name}/order", **limits)
-    axes[len(shown) - 1].set_xlabel(f"order, per turn of the {tracking.ring}")
+        curves(axis, spectrum.frequency[inside], (psd, BLUE), yscale="log", **limits)
     legend_above(axes[0], 5, handles=handles, **LEFT_LEGEND)
     speed = 60.0 * np.gradient(tracking.turn, tracking.time)
-    low, high = text(float(speed.min()), 4), text(float(speed.max()), 4)
+    low, high = text(speed.min(), 4), text(speed.max(), 4)
     caption = (
         f"Order spectra (power spectral densities) of the hub's path, and of the envelope of the {body}'s "
         f"acceleration, resampled at {tracking.angles.size} equal angles of the {tracking.ring} while it turns with "
@@ -263,14 +250,14 @@ def orders(e: Evaluation) -> Drawing | None:
     if short is not None:
         axis, psd = axes[-1], np.maximum(1e12 * short.psd, 1e-300)
         time = 1e3 * np.interp(tracking.turn[0] + short.time, tracking.turn, tracking.time)
-        most = 10.0 ** np.ceil(np.log10(max(float(psd.max()), 1e-30)))
+        most = 10.0 ** np.ceil(np.log10(max(psd.max(), 1e-30)))
         image = axis.pcolormesh(time, short.frequency, psd, norm=LogNorm(most * ORDERS_RANGE, most), cmap="viridis",
                                 shading="nearest", rasterized=True)  # fmt: skip
         colour_bar(image, [axis], "path y, µm²/order", extend="min")
         for line in (name for name in ON_MAP if name in tracking.lines):
             axis.annotate(line, (0.004, tracking.lines[line]), xycoords=("axes fraction", "data"), color="white",
                           fontsize=8.5, va="center")  # fmt: skip
-        axis.set(xlabel="time, ms", ylabel="order", ylim=(0.0, top))
+        axis.set_ylim(0.0, top)
         axis.grid(visible=False)
         caption += (
             f" Below, the path's y along the record: Hann windows of {text(short.length, 3)} turns; what follows the "
@@ -287,8 +274,9 @@ def measured_figures(record: Judged, other: Judged | None, folder: Path) -> list
 
 def _modulation(record, other):
     found, judged = record.diagnosis, [record] if other is None else [record, other]
-    figure, axes = panels(len(judged), 3.2 + 2.2 * (len(judged) - 1), lines=1)
-    by_turns, deepest = len(judged) > 1, 0.0
+    by_turns, deepest, n = len(judged) > 1, 0.0, len(judged)
+    x = "cycles per turn of the shaft" if by_turns else "frequency, Hz"
+    figure, axes = panels(n, 1.0 + 2.2 * n, x=x, y=["modulation depth"] * n)
     for axis, each in zip(axes, judged, strict=True):
         spectrum, unit = each.diagnosis.spectrum, each.diagnosis.shaft if by_turns else 1.0
         lines = {name: line / unit for name, line in each.diagnosis.lines.items()}
@@ -298,11 +286,11 @@ def _modulation(record, other):
         top = LINES_TO * max(lines["BPFO"], lines["BPFI"], lines["2×BSF"])
         handles = mark_lines(axis, marked, 0.0, top, "" if by_turns else " Hz", of=lines)
         frequency, depth = _thinned(spectrum.frequency / unit, spectrum.depth, top)
-        curves(axis, frequency, (depth, BLUE), xlim=(0.0, top), ylabel="modulation depth")
+        curves(axis, frequency, (depth, BLUE), xlim=(0.0, top))
         if best.stands_out:
             dots = [(line.found / unit, line.depth) for line in best.lines if line.found / unit <= top]
             axis.plot(*zip(*dots, strict=True), "o", color="black", markersize=3.5)
-        deepest = max(deepest, float(depth[frequency * unit > 3.0 * spectrum.resolution].max()))
+        deepest = max(deepest, depth[frequency * unit > 3.0 * spectrum.resolution].max())
         if by_turns:
             axis.text(0.99, 0.97, each.signal.name, transform=axis.transAxes, ha="right", va="top", fontsize=9.5,
                       bbox=look.BESIDE)  # fmt: skip
@@ -310,7 +298,6 @@ def _modulation(record, other):
             legend_above(axis, 5, handles=handles, **LEFT_LEGEND)
     for axis in axes:  # both records by one scale
         axis.set_ylim(0.0, 1.15 * deepest)
-    axes[-1].set_xlabel("cycles per turn of the shaft" if by_turns else "frequency, Hz")
     caption = (
         f"Squared envelope of the prewhitened record, Δf = {text(found.spectrum.resolution, 3)} Hz. Dashed: kinematic "
         f"lines at the speed as found; dotted: harmonics of {found.findings[0].name}, 2×BSF. Dots: lines that stand "
@@ -320,24 +307,23 @@ def _modulation(record, other):
 
 
 def _record(own, other):
-    figure, (upper, lower) = panels((1, 1), 6.2, lines=1)
+    unit, signal = own.signal.unit or "own unit", own.signal
     shared = other is None or other.signal.unit == own.signal.unit
+    names = [f"amplitude, {unit}" if shared else "amplitude over rms", unit]
+    figure, (upper, lower) = panels((1, 1), 6.2, x=("frequency, Hz", "time, ms"), y=names)
     for judged, colour in ((own, BLUE), (other, ORANGE)):
         if judged is not None:
             frequency, amplitude = _thinned(judged.spectrum.frequency[1:], judged.spectrum.amplitude[1:], np.inf)
             amplitude = amplitude if shared else amplitude / judged.level.rms
             style = {"linewidth": 0.7, "zorder": 3.0 if judged is own else 2.0}
             curves(upper, frequency, (amplitude, colour, judged.signal.name, style))
-    unit, signal = own.signal.unit or "own unit", own.signal
-    label = f"amplitude, {unit}" if shared else "amplitude over rms"
-    upper.set(xscale="log", yscale="log", xlabel="frequency, Hz", ylabel=label)
+    upper.set(xscale="log", yscale="log")
+    upper.margins(x=OF_RECORDS)
     look.without_minor_ticks(upper)
     legend_above(upper, 2)
     count = min(signal.values.size, int(PASSES_SHOWN / own.diagnosis.lines["BPFO"] * signal.rate) + 1)
-    first = min(max(0, int(np.argmax(np.abs(signal.values))) - count // 2), signal.values.size - count)
-    excerpt = signal.values[first : first + count], BLUE, None, 0.7
-    curves(lower, 1e3 * (first + np.arange(count)) / signal.rate, excerpt, xlabel="time, ms", ylabel=unit)
-    lower.margins(x=0.0)
+    first = min(max(0, np.argmax(np.abs(signal.values)) - count // 2), signal.values.size - count)
+    curves(lower, 1e3 * (first + np.arange(count)) / signal.rate, (signal.values[first:][:count], BLUE, None, 0.7))
     caption = (
         f"Above: amplitude spectrum of the record. Below: {PASSES_SHOWN:g} passes of rolling elements over a point of "
         "the outer ring, about the largest value."
@@ -350,12 +336,11 @@ def _pulse(record, beside):
     own, other, part = record.pulse, None if beside is None else beside.pulse, record.diagnosis.findings[0]
     if own is None or not part.stands_out:
         return None
-    figure, (axis,) = panels(1, 3.0, lines=1)
+    figure, (axis,) = panels(1, 3.0, x="time from the highest power, ms", y=["power over its mean"])
     for pulse, judged, colour in ((own, record, BLUE), (other, beside, ORANGE)):
         if pulse is not None and judged is not None:
             curves(axis, 1e3 * pulse.time, (pulse.power, colour, judged.signal.name, 1.1))
-    axis.margins(x=0.0)
-    axis.set(xlabel="time from the highest power, ms", ylabel="power over its mean", ylim=(0.0, None))
+    axis.set_ylim(bottom=0.0)
     legend_above(axis, 2)
     also = "" if other is None else f", the other for {text(1e3 * other.length, 3)} ms"
     caption = (
@@ -368,17 +353,17 @@ def _pulse(record, beside):
 
 def trend_figure(entries: list[Entry], folder: Path) -> Drawing:
     with rc_context(look.STYLE):
-        figure, (upper, lower) = panels(2, 4.6, lines=1)
         used = [(k, entry) for k, entry in enumerate(entries, 1) if entry.depths is not None]
+        names = ["modulation depth", f"rms, {used[0][1].unit or 'own unit'}"]
+        figure, (upper, lower) = panels(2, 4.6, x="record of the series", y=names)
         places, style = [k for k, _ in used], {"marker": "o", "markersize": 3.5, "linewidth": 1.0}
         depths = [entry.depths for _, entry in used if entry.depths is not None]
         colours = {"BPFO": RED, "BPFI": GREEN, "2×BSF": ORANGE}.items()
         rows = [([each[name] for each in depths], colour, name, style) for name, colour in colours]
-        curves(upper, places, *rows, legend=3, ylabel="modulation depth", ylim=(0.0, None))
+        curves(upper, places, *rows, legend=3, ylim=(0.0, None))
         upper.axhline(DEEP, color=GREY, linestyle="--", linewidth=0.9)
-        level = [entry.rms for _, entry in used], BLUE, None, style
-        unit = used[0][1].unit or "own unit"
-        curves(lower, places, level, xlabel="record of the series", ylabel=f"rms, {unit}", ylim=(0.0, None))
+        curves(lower, places, ([entry.rms for _, entry in used], BLUE, None, style), ylim=(0.0, None))
+        upper.margins(x=OF_RECORDS)
         caption = (
             f"Above: modulation depth of each part's line, all harmonics; dashed: {DEEP:g}, the least for damage. "
             "Below: level of the record."
@@ -388,7 +373,7 @@ def trend_figure(entries: list[Entry], folder: Path) -> Drawing:
 
 def _thinned(x, y, top):
     x, y = x[x <= top], y[x <= top]
-    each = max(1, int(np.ceil(x.size / MOST_POINTS)))
+    each = max(1, -(-x.size // MOST_POINTS))
     if each == 1:
         return x, y
     count = x.size // each

@@ -15,7 +15,7 @@ from fem.kernels.elements.rings import HALO
 from fem.quantities import Quantity, moving_quantities
 from fem.solver import errors
 from fem.solver.simulate import make_plan
-from fem.statics.contact_balance import LOOSE_SPRING, Loads, NotFound
+from fem.statics.contact_balance import LOOSE_SPRING, Loads
 from fem.statics.equilibrium import equilibrium, static_quantities
 from fem.statics.exact_statics import exact_statics
 from lagrange import Bearing, Material
@@ -23,7 +23,6 @@ from lagrange.errors import UsageError
 from lagrange.fits import spinning_growth
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import read_scene
-from lagrange.surface.faults import UnequalRoller
 from tests.reference import compiled, kit, quadratic
 from tests.reference.continua import half_width, squeezed_disc_approach
 from tests.reference.kit import LENGTH, LOAD, ON_A_ROLLER, RESOLVED, SHAPES, STEEL, fair_load, model, paper, within
@@ -383,23 +382,17 @@ def test_the_result_file_states_the_error_until_the_record_grows(tmp_path, capsy
 
 # Statics on refined quadratic meshes: meshes, compliances of single bodies, and the whole bearing.
 
-B = 5e-5  # m
-SPOT = quadratic.Spot(half_width=B, per_half_width=4)
-
 
 def test_node_lengths_integrate_quadratics_and_a_squeezed_disc_gives_way_as_johnson_says():
-    along, length = quadratic.contact_nodes(SPOT)
+    b, q, modulus = 5e-5, 1.0 / LENGTH, STEEL.plane_strain_modulus
+    along, length = quadratic.contact_nodes(b, 4.0)
     assert length.sum() == pytest.approx(2.0 * along[-1], rel=1e-12)
     assert length @ along**2 == pytest.approx(2.0 / 3.0 * along[-1] ** 3, rel=1e-12)
-    own, other = quadratic.disc_spot_compliance(quadratic.RefinedDisc(radius=0.005, spot=SPOT), STEEL, LENGTH)
+    own, other = quadratic.spot_compliance(0.005, None, STEEL, LENGTH, (b, 4.0), 2)
     assert_allclose(own, own.T, atol=1e-10 * own.max())
-    share, q, modulus = (
-        length * np.sqrt(np.maximum(0.0, 1.0 - (along / B) ** 2)),
-        1.0 / LENGTH,
-        STEEL.plane_strain_modulus,
-    )
+    share = length * np.sqrt(np.maximum(0.0, 1.0 - (along / b) ** 2))
     share /= share.sum()
-    width = 2.0 * np.sqrt(share @ along**2)  # of the pressure as the nodes have it: 0.8 % off B
+    width = 2.0 * np.sqrt(share @ along**2)  # of the pressure as the nodes have it: 0.8 % off b
     # a mean weighted with the pressure: the middle sinks in by q/(2πE') more
     middle = share @ (own + other[:, ::-1]) @ share + 0.5 * q / (np.pi * modulus)
     assert middle == pytest.approx(squeezed_disc_approach(q, 0.005, width, modulus), rel=2e-4)
@@ -437,13 +430,3 @@ def test_bodies_push_or_stand_apart_carry_the_load_and_pressures_are_hertzs():
         assert_allclose(pressures[0, inside], ellipse, atol=0.03 * peak)
         assert pressures[0].max() == pytest.approx(peak, rel=0.01)
         assert not pressures[0, np.abs(found.across) > 1.2 * b].any()
-
-
-def test_a_mesh_made_for_other_contacts_and_surfaces_that_are_not_circles_are_refused():
-    with pytest.raises(ValueError, match="radial load 0 N"):
-        quadratic.quadratic_statics(paper(), 0.0, 0.0)
-    with pytest.raises(NotFound, match="wider than"):  # preload, not the load, makes the contacts
-        quadratic.quadratic_statics(paper(outer_raceway_radius=0.027995), 1.0, 0.0, 2.0)
-    faulty = replace(paper(), faults=(UnequalRoller(roller=0, diameter_deviation=1e-6),))
-    with pytest.raises(ValueError, match="perfect circles"):
-        quadratic.quadratic_statics(faulty, LOAD, -np.pi / 2)

@@ -43,7 +43,7 @@ from lagrange.statics import Placement, static_equilibrium, tilted_equilibrium
 from lagrange.surface.deviation import Turns
 from tests.reference import forward_motion
 from tests.reference.compiled import COMPARED, assert_right, compiled, simulation
-from tests.reference.forward_motion import derived_tilt_equations, simulate
+from tests.reference.forward_motion import derived_equations, simulate
 from tests.reference.kit import DGBB_209, DOWN, HARRIS, PAPER, PRELOADED, RUNNING, spall, wavy
 
 ENERGY = 1e-8  # of the elastic energy
@@ -358,7 +358,7 @@ def random_state(rng):
 
 
 def test_equations_with_tilt_are_those_that_computer_algebra_derives():
-    derive = derived_tilt_equations(N, EXPONENT, list(PLACE), list(DROP))
+    derive = derived_equations(N, EXPONENT, tuple(zip(PLACE, DROP, strict=True)))
     hub = HubTilt(slope_x=1e-4, slope_y=-1e-3, inertia=1.03e-5, stiffness=2000.0)
     across, along = roller_inertias(BEARING)
     spin = kinematics(BEARING, OPERATION.speed).roller

@@ -39,7 +39,7 @@ from tests.reference import continua, kit
 from tests.reference.compiled import press_contacts
 from tests.reference.continua import contact_pressures, flamant, mcewen
 from tests.reference.kit import ON_A_ROLLER, STEEL, arrays, copies, operation, resolved_model, whole_run
-from tests.reference.resolved import resolved_disc
+from tests.reference.quadratic import resolved_disc
 
 
 @pytest.fixture(scope="module")

@@ -26,9 +26,9 @@ from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
 from lagrange.surface.deviation import Turns, profiles
 from lagrange.surface.faults import Spall, UnequalRoller, Waviness
-from tests.reference import compiled, kit, resolved
+from tests.reference import compiled, kit, quadratic
 from tests.reference.kit import DGBB_209, DOWN, HARRIS, PAPER, RUNNING, assert_refused
-from tests.reference.modes import Body, thrown_at_flat
+from tests.reference.modes import thrown_at_flat
 
 COARSE = ("numerics.mesh_size_mm=2", "numerics.output_interval_us=1")
 # so that all scenes here share one compiled time loop: profiles on rings and rollers
@@ -256,17 +256,16 @@ def test_every_fault_is_named(given, words):
 
 # The resolved crossing of a spall, the yardstick of tests/verification, against theory: Hertz's contact, a disc's
 
-COARSELY = replace(resolved.FINE, raceway=13e-6, roller=9e-6, far_roller=0.8e-3, far=1.5e-3, cutoff=1e5)
+COARSELY = quadratic.FINE._replace(raceway=13e-6, roller=9e-6, far_roller=0.4e-3, far=1.5e-3, cutoff=1e5)
 
 
 def test_a_roller_between_raceways_has_hertz_contacts_and_yields_as_the_exact_series_say():
     """Half-width and pressure, by the share of the force that lies left of each element's end."""
-    still = {"ahead": 0.0, "beyond": 0.0, "swing": 0.0, "fine": COARSELY}
-    run = resolved.Run(resolved.crossing(PAPER, None, hub=(0.0, -3.6e-6), **still), 1e-7)
+    run = quadratic.crossing(PAPER, None, np.array([0.0, -3.6e-6]), ahead=0.0, beyond=0.0, step=1e-7, fine=COARSELY)
     outer, inner = np.hypot(*run.settle().T)
     pairs = contact_pairs(PAPER)
-    for force, ring, pair in zip(run.pressures, (run.of.outer, run.of.inner), (pairs[1], pairs[0]), strict=True):
-        x, whole = ring.position[:, 0], force.sum()
+    for force, place, pair in zip(run.pressures, run.places, (pairs[1], pairs[0]), strict=True):
+        x, whole = place[:, 0], force.sum()
         b = 2.0 * np.sqrt(np.sum(force * x**2) / whole)  # of Hertz's pressure the mean of x² is b²/4
         assert b == pytest.approx(pair.half_width(whole), rel=0.01)
         left = ((np.cumsum(force) - 0.5 * force) / whole)[::2]
@@ -280,27 +279,18 @@ def test_a_roller_between_raceways_has_hertz_contacts_and_yields_as_the_exact_se
 
 def test_a_roller_thrown_at_a_rigid_flat_bounces_as_its_exact_modes_do():
     speed, step, r = 0.2, 1e-7, PAPER.roller_radius
-    roller = resolved.roller_body(PAPER, 0.05e-3, 0.02e-3, replace(COARSELY, cutoff=0.7e6))
-    flat, rings = np.stack([np.linspace(-60e-6, 60e-6, 25), np.full(25, -r)], axis=1), []
-    for at in (flat, np.zeros((0, 2))):
-        rigid = Body(
-            points=at, omega=np.zeros(1), shapes=np.zeros((at.size, 1)), residual=np.zeros((at.size, at.size)),
-            translation=np.zeros((1, 2)), mass=1.0,
-        )  # fmt: skip
-        of = np.arange(len(at)), np.zeros(len(at))
-        rings.append(resolved.Surface(body=rigid, position=at, node=of[0], angle=of[1]))
-    lower, upper = (resolved.surface(roller, a, lambda away: np.full_like(away, r)) for a in (DOWN, -DOWN))
-    run = resolved.Run(resolved.Crossing(
-        roller=roller, lower=lower, upper=upper, outer=rings[0], inner=rings[1], radius=r, hub=np.zeros(2),
-        start=np.array([0.0, 1e-9]), swing=0.0,
-    ), step)  # fmt: skip
-    run.throw(np.array([0.0, -speed]))
+    roller = quadratic.roller_body(PAPER, 0.05e-3, 0.02e-3, COARSELY._replace(cutoff=0.7e6))
+    flat = np.stack([np.linspace(-60e-6, 60e-6, 25), np.full(25, -r)], axis=1)
+    rigid = quadratic.Body(
+        points=flat, omega=np.zeros(1), shapes=np.zeros((50, 1)), residual=np.zeros((50, 50)),
+        translation=np.zeros((1, 2)), mass=1.0,
+    )  # fmt: skip
+    run = quadratic.Run(roller, r, [(rigid, flat)], np.array([0.0, 1e-9]), step)
+    run.motions[0].v = roller.translation @ np.array([0.0, -speed])
     before = run.energy.sum()
     forces = np.array([run.advance()[0, 1] for _ in range(400)])
-    exact, rebound = (
-        thrown_at_flat(speed, r, PAPER.roller_length, PAPER.roller),
-        run.roller.mean(run.roller.v)[1] / speed,
-    )
+    exact = thrown_at_flat(speed, r, PAPER.roller_length, PAPER.roller)
+    rebound = run.motions[0].mean(run.motions[0].v)[1] / speed
     assert forces[-1] == 0.0 and run.energy.sum() == pytest.approx(before, rel=2e-3)
     assert forces.max() == pytest.approx(exact.force, rel=0.01)
     assert np.count_nonzero(forces) * step == pytest.approx(exact.duration, rel=0.01)

@@ -3,10 +3,9 @@
 kit                 bearings, loads, short runs, commands and files that tests share
 compiled            kernels called from Python, states of contacts, runs of the Lagrangian model, a toy solver
 forward_motion      equations of motion derived by sympy, and solved by scipy
-continua            half-planes and half-spaces, line contacts, edges, Navier's equations collocated, Stribeck's numbers
-modes               free vibration of discs and rings, a disc thrown at a flat, rings in bores, rocking rollers
-quadratic           the bearing at rest on refined quadratic meshes
-resolved            a squeezed disc, and a roller that crosses a spall, with contacts resolved
+continua            points that touch, half-planes and half-spaces, line contacts, edges, Navier's equations, Stribeck's
+modes               free vibration of discs and rings, a disc thrown at a flat, rings in bores, rocking rollers: exact
+quadratic           elastic bodies of quadratic triangles: a squeezed disc, a bearing at rest, a roller crossing a spall
 
 synthetic_run, synthetic_record   trajectories and records with known errors, as files and tables
 recorded_disk       a disk that fails or is cut off at any write

@@ -1,7 +1,6 @@
 """Contacts and rings of elasticity theory: half-planes, half-spaces, rings in polar coordinates."""
 
 from collections.abc import Callable
-from functools import cached_property
 from math import exp, gamma, log, pi, sqrt
 from typing import NamedTuple
 
@@ -129,10 +128,30 @@ def _love(dx: float, dy: float, across: int, along: int) -> np.ndarray:
     return corner(x + a, y + b) - corner(x - a, y + b) - corner(x + a, y - b) + corner(x - a, y - b)
 
 
+# ---- Points of two bodies that touch without friction: gaps and forces are not negative, and one of the two is zero.
+
+
+def separated(gap: np.ndarray, compliance: np.ndarray, active: np.ndarray) -> np.ndarray:
+    """Forces, (n,), N, >= 0, under which no gap, (n,), m, is negative; `active`: where to expect them.
+
+    By active sets (Hintermüller, Ito and Kunisch, SIAM J. Optim. 13, 2002, 865), else by non-negative least squares.
+    """
+    for _ in range(40):  # 2 to 10 are usual
+        force, k = np.zeros(gap.size), np.flatnonzero(active)
+        if k.size:
+            force[k] = np.linalg.solve(compliance[np.ix_(k, k)], -gap[k])
+        changed = np.where(active, force > 0.0, gap + compliance[:, k] @ force[k] < 0.0)
+        if np.array_equal(changed, active):
+            return force
+        active = changed
+    lower = cholesky(compliance, lower=True)
+    return nnls(lower.T, solve_triangular(lower, -gap, lower=True))[0]
+
+
 # ---- A disc pressed at any place along a spall: two half-planes under pressures that may not pull. The pressure is
 # constant in cells; the displacement, weighted with the cells, fits the gap of the bare profile where they touch
-# (Galerkin's method). The pressures are the least of the elastic energy, found by non-negative least squares. Far
-# from an edge it is Hertz's contact. Source: Johnson, Contact Mechanics (1985), chapters 2 and 5.
+# (Galerkin's method). Far from an edge it is Hertz's contact. Source: Johnson, Contact Mechanics (1985), chapters 2 and
+# 5.
 
 FINE, COARSE, GROWTH = 0.3e-6, 2e-6, 1.1  # m, cells at the edges and far from them
 
@@ -146,41 +165,29 @@ class EdgeContact:
     """
 
     def __init__(self, *, radius, roller_radius, compliance, level, half_opening, edge_radius, beside):
-        self.radius, self.roller_radius, self.compliance, self.level = radius, roller_radius, compliance, level
-        self.half_opening, self.edge_radius, self.beside = half_opening, edge_radius, beside
-
-    @cached_property
-    def bounds(self) -> np.ndarray:
-        """Bounds of the cells along the chord, m; nothing is touched inside the edges' arcs."""
+        self.radius, self.roller_radius, self.half_opening, self.edge_radius = (
+            radius, roller_radius, half_opening, edge_radius)  # fmt: skip
         steps = [FINE] * 40
-        while sum(steps) < self.beside:
+        while sum(steps) < beside:
             steps.append(min(COARSE, GROWTH * steps[-1]))
-        arc = self.half_opening - FINE * np.arange(int(0.25 * self.edge_radius / FINE), 0, -1)
-        half = np.concatenate([arc, [self.half_opening], self.half_opening + np.cumsum(steps)])
-        return np.concatenate([-half[::-1], half])
-
-    @cached_property
-    def _solid(self) -> np.ndarray:
-        """Cells but the one across the spall."""
-        return np.delete(np.arange(self.bounds.size - 1), self.bounds.size // 2 - 1)
-
-    @cached_property
-    def _influence(self) -> np.ndarray:
-        """Mean displacement of a cell by a unit force spread over another, over A."""
-        low, high = self.bounds[self._solid], self.bounds[self._solid + 1]
-        factor = 2.0 * self.compliance / abs(1.0 / self.radius + 1.0 / self.roller_radius)
-        unit = 0.5 * exp(self.level - 0.5 + 0.5 * log(factor))  # δ = A Q (½ + ln(2 unit/b)), b² = factor·Q
+        arc = half_opening - FINE * np.arange(int(0.25 * edge_radius / FINE), 0, -1)
+        bounds = np.concatenate(
+            [arc, [half_opening], half_opening + np.cumsum(steps)]
+        )  # nothing touches farther inside
+        self.low, self.high = np.append(-bounds[:0:-1], bounds[:-1]), np.append(-bounds[-2::-1], bounds[1:])
+        factor = 2.0 * compliance / abs(1.0 / radius + 1.0 / roller_radius)
+        unit = 0.5 * exp(level - 0.5 + 0.5 * log(factor))  # δ = A Q (½ + ln(2 unit/b)), b² = factor·Q
 
         def twice(z):  # ∫∫ ln|z|
             return 0.5 * z * z * np.log(np.where(z == 0.0, 1.0, np.abs(z)) / unit) - 0.75 * z * z
 
-        h, l_ = high[:, None], low[:, None]
-        whole = twice(h - low) - twice(h - high) - twice(l_ - low) + twice(l_ - high)
-        return -whole / np.outer(high - low, high - low)
+        h, l_, size = self.high[:, None], self.low[:, None], self.high - self.low
+        whole = twice(h - self.low) - twice(h - self.high) - twice(l_ - self.low) + twice(l_ - self.high)
+        self._influence = -compliance * whole / np.outer(size, size)  # mean displacement of cells by unit forces
 
     def gaps(self, place: float) -> np.ndarray:
         """Gaps along the line of centres, at a place of the chord, to a disc that would touch the sound raceway, m."""
-        middle = 0.5 * (self.bounds[self._solid] + self.bounds[self._solid + 1])
+        middle = 0.5 * (self.low + self.high)
         inside, e = np.clip(self.half_opening - np.abs(middle), 0.0, None), self.edge_radius
         depth = e - np.sqrt(np.maximum(e * e - np.minimum(inside, e) ** 2, 0.0))
         R, r = abs(self.radius), self.roller_radius
@@ -191,13 +198,9 @@ class EdgeContact:
 
     def press(self, place: float, approach: float) -> tuple[float, float]:
         """Force, N, and largest force per length of cell, N/m, at an approach from the sound raceway, m."""
-        room = approach - self.gaps(place)
-        near = np.flatnonzero(room > 0.0)
-        if near.size == 0:
-            return 0.0, 0.0
-        lower = cholesky(self._influence[np.ix_(near, near)], lower=True)
-        force, _ = nnls(lower.T, solve_triangular(lower, room[near] / self.compliance, lower=True))
-        return float(force.sum()), float((force / np.diff(self.bounds)[self._solid][near]).max())
+        gap = self.gaps(place) - approach
+        force = separated(gap, self._influence, gap < 0.0)
+        return float(force.sum()), float((force / (self.high - self.low)).max())
 
 
 # ---- Two circular bodies pressed together without Hertz's theory: pressures on strips, the gap closed at each.
@@ -221,18 +224,12 @@ def approach(
         amplitude = compliance(n) * np.sinc(n * width / (2.0 * np.pi * radius)) ** 2
         amplitude[0] *= 0.5
         near = near + np.cos(np.outer(i * width / radius, n)) @ amplitude / (np.pi * radius)
-    influence = near[np.abs(i[:, None] - i)]
     gap = (((i + 0.5) * width - reach) ** 2 + width**2 / 12.0) / (2.0 * relative_radius)  # means over strips
-    closed = np.ones(strips, dtype=bool)
-    while True:
-        n = int(closed.sum())
-        system = np.ones((n + 1, n + 1))
-        system[:n, :n], system[:n, n], system[n, n] = influence[np.ix_(closed, closed)], -1.0, 0.0
-        *loads, found = np.linalg.solve(system, [*-gap[closed], line_load])
-        pulling = np.flatnonzero(closed)[np.array(loads) < 0.0]
-        if not pulling.size:
-            return float(found)
-        closed[pulling] = False
+
+    def missing(depth: float) -> float:
+        return separated(gap - depth, near[np.abs(i[:, None] - i)], gap < depth).sum() - line_load
+
+    return brentq(missing, 0.0, gap.max() + line_load * near[0], xtol=1e-18, rtol=1e-13)
 
 
 # ---- Line contact of elastic cylinders: textbook formulas and the quasi-static impact they give. Source: Johnson,

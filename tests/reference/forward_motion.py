@@ -60,30 +60,6 @@ class Coordinates:
         return evaluate
 
 
-@cache
-def derived_equations(n_rollers: int, exponent: sp.Rational):
-    """Lagrange's equations as one function of (parameters, q, q̇, q̈), parameters = (m, M, g, W, r_in, r_out, r, K_in,
-    K_out, d) and q = (x, y, ρ_1 … ρ_N, θ_1 … θ_N).
-
-    D = ½ d Σ δ̇² of the closed contacts is Rayleigh's dissipation function of viscous dampers beside the springs; W is
-    part of V, as W y.
-    """
-    parameters = sp.symbols("m M g W r_in r_out r K_in K_out d", positive=True)
-    m, M, g, W, r_in, r_out, r, K_in, K_out, d = parameters
-    of = Coordinates(2 * n_rollers + 2)
-    rate, (x, y) = of.rate, of.q[:2]
-    T, V, D = M * (rate(x) ** 2 + rate(y) ** 2) / 2, (M * g + W) * y, sp.Integer(0)
-    for p, a in zip(of.q[2 : 2 + n_rollers], of.q[2 + n_rollers :], strict=True):
-        T += m * (rate(p) ** 2 + p**2 * rate(a) ** 2) / 2
-        chi = sp.sqrt(x**2 + y**2 + p**2 - 2 * p * (x * sp.cos(a) + y * sp.sin(a)))
-        V += m * g * p * sp.sin(a)
-        for K, depth in ((K_in, r_in + r - chi), (K_out, p + r - r_out)):
-            V += K * sp.Max(depth, 0) ** (exponent + 1) / (exponent + 1)
-            D += d * sp.Heaviside(depth) * rate(depth) ** 2 / 2
-    step = {"Heaviside": lambda depth, at_zero=0: mp.mpf(depth > 0), "Max": max, "max": max}
-    return of.equations(parameters, T, V, D, step)
-
-
 class Stored(sp.Function):
     """Energy of a contact by its depth, K = 1."""
 
@@ -95,35 +71,47 @@ class Pushed(sp.Function):
     """Force of a contact by its depth, K = 1; its values are numbers' alone."""
 
 
-def derived_tilt_equations(n_rollers: int, exponent: float, place: list[float], drop: list[float]):
-    """The same with tilt and skew of rollers and a hub that tilts; contacts by slices of a power law, no dampers.
+@cache
+def derived_equations(n_rollers: int, exponent: float | sp.Rational, slices: tuple[tuple[float, float], ...] = ()):
+    """Lagrange's equations as one function of (parameters, q, q̇, q̈), in the order of q = (x, y, ρ_1 … ρ_N, θ_1 … θ_N).
 
-    The function takes parameters = (m, M, g, W, r_in, r_out, r, K_in, K_out, I_t, I_a, w, I_h, J, Ω, k, b₀x, b₀y), K of
-    a slice, J the hub's inertia about its axis, and q = (x, y, ρ, θ, τ, σ, b_x, b_y), which is the order of the
-    equations. Slopes of the bodies' axes are typed in along x and y; spins enter as ½ I w (a_y ȧ_x − a_x ȧ_y).
+    Parameters are (m, M, g, W, r_in, r_out, r, K_in, K_out, d); D = ½ d Σ δ̇² of the closed contacts is Rayleigh's
+    dissipation function of viscous dampers beside the springs; W is part of V, as W y.
+    `slices` : their places along the rollers and drops; K is then a slice's, and instead of dampers rollers tilt and
+    skew, and the hub tilts: q goes on with (τ, σ, b_x, b_y), and in place of d stand (I_t, I_a, w, I_h, J, Ω, k, b₀x,
+    b₀y), J the hub's inertia about its axis. Slopes of the bodies' axes are typed in along x and y; spins enter as
+    ½ I w (a_y ȧ_x − a_x ȧ_y).
     """
-    parameters = sp.symbols("m M g W r_in r_out r K_in K_out I_t I_a w I_h J Omega k b0x b0y")
-    m, M, g, W, r_in, r_out, r, K_in, K_out, I_t, I_a, w, I_h, J, speed, k, b0x, b0y = parameters
-    of = Coordinates(4 * n_rollers + 4)
+    usual, tilting = sp.symbols("m M g W r_in r_out r K_in K_out"), sp.symbols("I_t I_a w I_h J Omega k b0x b0y")
+    (m, M, g, W, r_in, r_out, r, K_in, K_out), d, n = usual, sp.Symbol("d"), n_rollers
+    I_t, I_a, w, I_h, J, speed, k, b0x, b0y = tilting if slices else 9 * (sp.Integer(0),)
+    of = Coordinates(4 * n + 4 if slices else 2 * n + 2)
     rate, (x, y), (bx, by) = of.rate, of.q[:2], of.q[-2:]
-    T = (M * (rate(x) ** 2 + rate(y) ** 2) + I_h * (rate(bx) ** 2 + rate(by) ** 2)) / 2
-    T += J * speed * (by * rate(bx) - bx * rate(by)) / 2
-    V = (M * g + W) * y + k * ((bx - b0x) ** 2 + (by - b0y) ** 2) / 2
-    rollers = np.array(of.q[2:-2]).reshape(4, n_rollers).T
-    for p, a, tilt, skew in rollers:
+    T, V, D = M * (rate(x) ** 2 + rate(y) ** 2) / 2, (M * g + W) * y, sp.Integer(0)
+    T += (I_h * (rate(bx) ** 2 + rate(by) ** 2) + J * speed * (by * rate(bx) - bx * rate(by))) / 2
+    V += k * ((bx - b0x) ** 2 + (by - b0y) ** 2) / 2
+    for i in range(n):
+        p, a, *turned = of.q[2 + i : -2 if slices else None : n]
+        tilt, skew = turned or (0, 0)
         X, Y = p * sp.cos(a), p * sp.sin(a)
         ax, ay = tilt * sp.cos(a) + skew * sp.sin(a), tilt * sp.sin(a) - skew * sp.cos(a)
-        T += m * (rate(X) ** 2 + rate(Y) ** 2) / 2 + I_t * (rate(ax) ** 2 + rate(ay) ** 2) / 2
-        T += I_a * w * (ay * rate(ax) - ax * rate(ay)) / 2
+        T += m * (rate(X) ** 2 + rate(Y) ** 2) / 2
+        if slices:
+            T += (I_t * (rate(ax) ** 2 + rate(ay) ** 2) + I_a * w * (ay * rate(ax) - ax * rate(ay))) / 2
         V += m * g * Y
         for K, reach, sign, (sx, sy), (ux, uy) in (
             (K_in, r_in + r, -1, (X - x, Y - y), (ax - bx, ay - by)), (K_out, r_out - r, 1, (X, Y), (ax, ay)),
         ):  # fmt: skip
             chi = sp.sqrt(sx**2 + sy**2)
-            for z, P in zip(place, drop, strict=True):
-                V += K * Stored(sign * (chi - reach + z * (ux * sx + uy * sy) / chi) - P)
-    power = mp.mpf(exponent)
-    return of.equations(parameters, T, V, sp.Integer(0), {"Pushed": lambda depth: max(depth, mp.mpf(0)) ** power})
+            for z, drop in slices or ((0, 0),):
+                depth = sign * (chi - reach + (z * (ux * sx + uy * sy) / chi if z else 0)) - drop
+                V += K * Stored(depth)
+                D += 0 if slices else d * sp.Heaviside(depth) * rate(depth) ** 2 / 2
+    power, parameters = sp.Rational(exponent), (*usual, *tilting) if slices else (*usual, d)
+    return of.equations(parameters, T, V, D, {
+        "Pushed": lambda depth: max(depth, mp.mpf(0)) ** (mp.mpf(power.p) / power.q),
+        "Heaviside": lambda depth, at_zero=0: mp.mpf(depth > 0),
+    })  # fmt: skip
 
 
 # ---- Forward solution of the equations of motion (21)-(23), written as they stand in `lagrange.motion` and left to

@@ -5,20 +5,13 @@ from math import log, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
-from scipy.optimize import brentq, nnls
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
+from scipy.optimize import brentq
 from scipy.special import jv, jvp, yv, yvp
-from skfem import Basis, BilinearForm, ElementTriP2, ElementVector, MeshTri
-from skfem.helpers import dot
 
 from fem.elastic import continuum, vibration
-from fem.elastic.continuum import Section, annulus_modes, kolosov, stick_approach
+from fem.elastic.continuum import Section, kolosov, stick_approach
 from fem.elastic.vibration import Modes
 from lagrange import Bearing, Material
-from tests.reference.continua import cubic_bspline_patch
-from tests.reference.kit import STEEL, ring
-from tests.reference.quadratic import plane_strain_stiffness
 
 # ---- Exact free in-plane vibration of plane-strain discs and rings. u = ∇φ + curl ψ with φ = f(k_L r) cos nθ and ψ =
 # g(k_T r) sin nθ, f and g Bessel functions of order n; the free circles want σ_rr = σ_rθ = 0, the held ones u = 0.
@@ -108,240 +101,16 @@ def vibrations(section: Section, thickness: float, highest: float, hub: float | 
     return Modes(order=order.astype(np.intp), frequency=frequency, shape=shape, carried=carried)
 
 
-# ---- The paper's outer ring by itself: its own frequencies, and Michell's series of a free ring pinched at two
-# points.
-
-INNER, OUTER = 0.028, 0.0325  # m, the paper's outer ring
-FINE_LAYERS = 16  # layers of elements, 0.3 mm
-
-
-def outer_ring(layers: int):
-    """The paper's outer ring with elements about as long as they are high."""
-    return ring(INNER, OUTER, 48 * layers, layers, False)
-
-
-def free_modes(body, order: int) -> np.ndarray:
-    """Frequencies, Hz, of so many waves around, of the ring held nowhere, the lowest ones first."""
-    stiffness = body.harmonic_stiffness(np.array([order]))[0]
-    scale = 1.0 / np.sqrt(np.repeat(body.row_mass, 2))
-    values = np.linalg.eigvalsh(scale[:, None] * stiffness * scale)
-    return np.sqrt(np.maximum(values, 0.0)) / (2.0 * np.pi)
-
-
-def thin_ring(order: int) -> float:
-    """Bending frequency, Hz, of a thin ring in plane strain. Source: Love (1927), article 293, E/(1 − ν²) for E."""
-    R, t, n2 = 0.5 * (INNER + OUTER), OUTER - INNER, order**2
-    speed = np.sqrt(STEEL.youngs_modulus / (1.0 - STEEL.poisson_ratio**2) / (12.0 * STEEL.density))
-    return order * (n2 - 1.0) / np.sqrt(n2 + 1.0) * t / R**2 * speed / (2.0 * np.pi)
-
-
-def _of_pressures(orders: np.ndarray, inner: float, outer: float, material: Material, row: int) -> np.ndarray:
-    """Outward motion of a free ring's outside by pressure cos nθ on it, row 0, or inside, row 2, m/Pa; n from 2 on.
-
-    σ_rr, σ_rθ of both circles by four solutions.
-    """
-    outside, inside = (annulus_modes(orders, r, inner / outer, kolosov(material)) for r in (1.0, inner / outer))
-    right = np.zeros((len(orders), 4, 1))
-    right[:, row] = -1.0
-    weights = np.linalg.solve(np.concatenate([outside[:, 2:], inside[:, 2:]], axis=1), right)
-    return (outside[:, :1] @ weights)[:, 0, 0] * outer / (2.0 * material.lame_mu)
-
-
-def pinched(orders: np.ndarray, half_width: float) -> np.ndarray:
-    """Fourier coefficients cos nθ of the outward motion of the outer circle of a free ring, m per N/m, pinched at 0 and
-    π by forces inward spread as a cubic B-spline; n even, from 2 on: Michell's series."""
-    shape = 2.0 * cubic_bspline_patch(orders, half_width, OUTER) / (np.pi * OUTER)  # of both; odd orders cancel
-    return _of_pressures(orders, INNER, OUTER, STEEL, 0) * shape
-
-
-# ---- An elastic ring in a bore by exact series: a thick ring pressed in, and one with play under given forces.
-
-FORCE_COUNTS = 1e4  # how much more the sum of forces must be right than any gap
-
-
-def _lame(inner: float, outer: float, material: Material) -> tuple[float, float]:
-    """Inward motion of a ring's outside by pressure on it, and of its raceway, m/Pa: Timoshenko and Goodier (1970),
-    section 28 (Lamé), plane strain; outward motion of the outside by pressure inside is inner/outer of the latter."""
-    modulus, area = material.youngs_modulus / (1.0 - material.poisson_ratio**2), outer**2 - inner**2
-    ratio = material.poisson_ratio / (1.0 - material.poisson_ratio)
-    return outer / modulus * ((outer**2 + inner**2) / area - ratio), 2.0 * inner * outer**2 / (modulus * area)
-
-
 def pressed_ring(inner: float, outer: float, material: Material, bed: float, interference: float) -> tuple:
     """Pressure, Pa, and how far raceway and outside of a ring move, m, that is larger than its bore by so much, m.
 
-    `bed` : of the bore, Pa/m.
+    `bed` : of the bore, Pa/m. Source: Timoshenko and Goodier (1970), section 28 (Lamé), plane strain.
     """
-    outside, raceway = _lame(inner, outer, material)
+    modulus, area = material.youngs_modulus / (1.0 - material.poisson_ratio**2), outer**2 - inner**2
+    ratio = material.poisson_ratio / (1.0 - material.poisson_ratio)
+    outside = outer / modulus * ((outer**2 + inner**2) / area - ratio)
     pressure = interference / (outside + 1.0 / bed)
-    return pressure, -raceway * pressure, -outside * pressure
-
-
-def ring_with_play(
-    radii: tuple[float, float], material: Material, bed: float, play: float, forces, half_width: float, n_points: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Pressure, Pa, and outward displacement, m, of the outside at angles 2πi/n, of a ring in a bore.
-
-    The ring is thick and plane; the bore pushes by bed · (displacement − play), never pulls, without friction. Forces
-    from inside are (angle, N per m of length), spread as cubic B-splines of a half-width, m. The complementarity of
-    pressures and gaps is solved as a least-squares problem without negative unknowns (Lawson and Hanson).
-    """
-    inner, outer = radii
-    orders, angle = np.arange(n_points // 2), 2.0 * pi * np.arange(n_points) / n_points
-    # of n = 1 it is 0: such pressures must balance, and what they do to radii is that of a rigid motion
-    by_outside, by_inside = np.zeros((2, len(orders)))
-    by_outside[0], raceway = _lame(inner, outer, material)
-    by_inside[0] = raceway * inner / outer
-    by_outside[2:], by_inside[2:] = (s * _of_pressures(orders[2:], inner, outer, material, row)
-                                     for s, row in ((-1.0, 0), (1.0, 2)))  # fmt: skip
-    spread = cubic_bspline_patch(orders, half_width, inner)
-    weights, moved = np.where(orders == 0, 1.0, 2.0) / (2.0 * pi), np.zeros(n_points)
-    for place, force in forces:
-        moved += np.cos(np.multiply.outer(angle - place, orders)) @ (weights * by_inside * spread) * (force / inner)
-    apart = angle[:, None] - angle[None, :]
-    influence = np.cos(np.multiply.outer(apart, orders)) @ (weights * by_outside) * (2.0 * pi / n_points)
-    compliance, area = influence + np.eye(n_points) / bed, outer * 2.0 * pi / n_points
-    lower, directions = np.linalg.cholesky(compliance), np.stack([np.cos(angle), np.sin(angle)])
-    wanted = sum(force * np.array([np.cos(place), np.sin(place)]) for place, force in forces)
-    scale = FORCE_COUNTS * np.linalg.norm(lower.T, 2)
-    rows = np.vstack([lower.T, scale * directions])
-    right = np.concatenate([np.linalg.solve(lower, moved - play), scale * wanted / area])
-    pressure, _ = nnls(rows, right, maxiter=100 * n_points)
-    # the rigid motion is what is left of the gaps where the bore pushes
-    left = (compliance @ pressure - (moved - play))[pressure > 0.0]
-    rigid, *_ = np.linalg.lstsq(directions[:, pressure > 0.0].T, left, rcond=None)
-    return pressure, moved - influence @ pressure + rigid @ directions
-
-
-# ---- Elastic bodies of quadratic triangles that touch without friction, node by node, in motion. A body moves by its
-# lowest modes; what all others add to the motion of the nodes that may be touched follows at once, as in statics. A
-# step is a small linear complementarity problem: gaps and forces are not negative, and one of the two is zero.
-# Nothing stands between the nodes and the surfaces: what a contact yields is what the elements yield. Source: Rubin,
-# AIAA J. 13 (1975) 995 (residual flexibility); Hintermüller, Ito and Kunisch, SIAM J. Optim. 13 (2002) 865 (active
-# sets).
-
-SHIFT = (2.0 * pi * 2e3) ** 2  # 1/s²: bodies are held by as much of their mass, far below any mode that is left out
-AT_ONCE = 32  # unit forces solved for
-MOST_TURNS = 40  # of the active set; 2 to 6 are usual
-
-
-class Body(NamedTuple):
-    """A body as its contact nodes feel it."""
-
-    points: np.ndarray  # (n_contact, 2), m, contact nodes as meshed
-    omega: np.ndarray  # (n_modes,), rad/s; 0 of rigid ones
-    shapes: np.ndarray  # (2 n_contact, n_modes), x and y of each node, 1/√kg
-    residual: np.ndarray  # (2 n_contact, 2 n_contact), m/N
-    translation: np.ndarray  # (n_modes, 2), √kg: modes' parts in moving along x and y by 1
-    mass: float  # kg
-
-
-def body(mesh: MeshTri, material: Material, length: float, cutoff: float, touched, held=None, mass=None) -> Body:
-    """Assemble a body and find its modes up to `cutoff`, Hz; `touched`, `held`: which of points, (2, n), may be, are.
-
-    `mass` : kg, of the circle that the polygon stands for; None: as meshed
-    """
-    basis = Basis(mesh, ElementVector(ElementTriP2()))
-    K = length * plane_strain_stiffness(basis, material)
-    M = material.density * length * BilinearForm(lambda u, v, _: dot(u, v)).assemble(basis)
-    x, (along_x, rim) = basis.doflocs, np.zeros((2, basis.N), dtype=bool)
-    along_x[basis.get_dofs(elements=np.arange(mesh.nelements)).all("u^1")] = True
-    free = np.ones(basis.N, dtype=bool) if held is None else ~held(x)
-    rim[basis.get_dofs(mesh.boundary_facets()).all()] = True
-    at = rim & touched(x)
-    first, second = (k[np.lexsort(np.round(x[:, k], 12))] for k in map(np.flatnonzero, (at & along_x, at & ~along_x)))
-    contact = (np.cumsum(free) - 1)[np.stack([first, second], axis=1)].ravel()
-    K, M = K[free][:, free].tocsc(), M[free][:, free].tocsc()
-    unit = np.stack([along_x, ~along_x], axis=1).astype(float)[free]
-    if mass is not None:
-        M = M * (mass / float(unit[:, 0] @ (M @ unit[:, 0])))
-    how = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
-    factor = splu((K + SHIFT * M).tocsc(), **how)
-    omega, modes = _modes(K, M, factor, 2.0 * pi * cutoff, float(basis.dx.sum()), material)
-    return Body(
-        points=x[:, first].T.copy(), omega=omega, shapes=modes[contact],
-        residual=_residual(factor, contact, omega, modes), translation=modes.T @ (M @ unit),
-        mass=float(unit[:, 0] @ (M @ unit[:, 0])),
-    )  # fmt: skip
-
-
-def _modes(K, M, factor, cutoff: float, area: float, material: Material) -> tuple[np.ndarray, np.ndarray]:
-    """Angular frequencies up to `cutoff`, rad/s, and modes of unit mass."""
-    speeds = material.dilatational_wave_speed, np.sqrt(material.lame_mu / material.density)
-    expected = area * cutoff**2 / (4.0 * pi) * sum(speed**-2 for speed in speeds)  # Weyl's law
-    inverse, count = LinearOperator(K.shape, matvec=factor.solve), round(1.1 * expected) + 20
-    start = np.random.default_rng(0).standard_normal(K.shape[0])  # ARPACK's own would differ from call to call
-    squares, modes = eigsh(K, count, M, sigma=-SHIFT, OPinv=inverse, v0=start)
-    if squares.max() < cutoff**2:
-        raise RuntimeError(f"{count} modes end below the cutoff")
-    kept = squares < cutoff**2
-    squares = np.where(squares < 1e-3 * SHIFT, 0.0, squares)  # rigid motions, but for round-off
-    return np.sqrt(squares[kept]), modes[:, kept]
-
-
-def _residual(factor, contact: np.ndarray, omega: np.ndarray, modes: np.ndarray) -> np.ndarray:
-    """Displacement of contact nodes by forces on them, without what the modes have of it."""
-    found, shapes = [], modes[contact]
-    for first in range(0, contact.size, AT_ONCE):
-        some = contact[first : first + AT_ONCE]
-        force = np.zeros((modes.shape[0], some.size))
-        force[some, np.arange(some.size)] = 1.0
-        found.append(factor.solve(force)[contact])
-    whole = np.concatenate(found, axis=1) - (shapes / (omega**2 + SHIFT)) @ shapes.T
-    return 0.5 * (whole + whole.T)
-
-
-class Motion:
-    """A body's modes in time, by the trapezoidal rule; `still`: at rest, with steps that find equilibrium."""
-
-    def __init__(self, of: Body, step: float, still: bool = False):
-        self.body, self.step, self.still = of, step, still
-        self.inertia = (1.0 if still else 4.0) / step**2
-        self.answer = 1.0 / (self.inertia + of.omega**2)
-        self.compliance = of.residual + (of.shapes * self.answer) @ of.shapes.T
-        self.q, self.v, self.a, self.load = np.zeros((4, of.omega.size))
-        self.stored = 0.0  # J, beside the modes
-
-    def expect(self) -> None:
-        """Where the step would end if nothing touched."""
-        self.drifted = self.q if self.still else self.q + self.step * self.v + 0.25 * self.step**2 * self.a
-        self.expected = self.answer * (self.inertia * self.drifted + self.load)
-
-    @property
-    def expected_moves(self) -> np.ndarray:
-        """Of contact nodes, (n_contact, 2), m."""
-        return (self.body.shapes @ self.expected).reshape(-1, 2)
-
-    def advance(self, force: np.ndarray) -> None:
-        """Take the step with forces on the contact nodes, (2 n_contact,), N."""
-        self.q, k = self.expected + self.answer * (force @ self.body.shapes), np.flatnonzero(force)
-        self.stored = 0.5 * float(force[k] @ self.body.residual[np.ix_(k, k)] @ force[k])
-        if not self.still:
-            new = (self.q - self.drifted) * self.inertia
-            self.v, self.a = self.v + 0.5 * self.step * (self.a + new), new
-
-    def mean(self, q: np.ndarray) -> np.ndarray:
-        """Motion of the centre of mass, (2,), m."""
-        return q @ self.body.translation / self.body.mass
-
-    @property
-    def energy(self) -> tuple[float, float]:
-        """Kinetic and elastic, J."""
-        return 0.5 * float(self.v @ self.v), 0.5 * float(np.sum((self.body.omega * self.q) ** 2)) + self.stored
-
-
-def separated(gap: np.ndarray, compliance: np.ndarray, active: np.ndarray) -> np.ndarray:
-    """Forces, (n,), N, >= 0, under which no gap, (n,), m, is negative; `active`: where to expect them."""
-    for _ in range(MOST_TURNS):
-        force, k = np.zeros(gap.size), np.flatnonzero(active)
-        if k.size:
-            force[k] = np.linalg.solve(compliance[np.ix_(k, k)], -gap[k])
-        changed = np.where(active, force > 0.0, gap + compliance[:, k] @ force[k] < 0.0)
-        if np.array_equal(changed, active):
-            return force
-        active = changed
-    lower = cholesky(compliance, lower=True)
-    return nnls(lower.T, solve_triangular(lower, -gap, lower=True))[0]
+    return pressure, -2.0 * inner * outer**2 / (modulus * area) * pressure, -outside * pressure
 
 
 # ---- A free elastic disc thrown at a rigid frictionless flat: its exact vibration modes driven by a Hertz contact.

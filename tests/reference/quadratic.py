@@ -1,332 +1,244 @@
-"""Bearings at rest by quadratic triangles: an independent solution."""
+"""Elastic bodies of quadratic triangles that touch without friction, node by node: at rest, vibrating, in motion.
 
-import itertools
-from dataclasses import replace
-from functools import cached_property, lru_cache
-from math import asin, cos, pi, sin
+The yardstick with elements of its own (scikit-fem's, scipy's solvers): no law below a grid, no layer, no assumed
+pressure. Gaps and forces of nodes are not negative, and one of the two is zero: what a contact yields is what the
+elements yield. Sources: Rubin, AIAA J. 13 (1975) 995 (residual flexibility); Hintermüller, Ito and Kunisch, SIAM J.
+Optim. 13 (2002) 865 (active sets).
+"""
+
+from functools import lru_cache
+from math import pi
 from typing import NamedTuple
 
 import gmsh
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
-from skfem import Basis, BilinearForm, ElementTriP2, ElementVector, MeshTri, MeshTri2
+from scipy.integrate import cumulative_trapezoid
+from scipy.interpolate import CubicSpline
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
+from skfem import Basis, BilinearForm, ElementTriP1, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshTri
 from skfem.helpers import dot
 from skfem.models.elasticity import linear_elasticity
 
-from fem.contacts.contact_law import NoLaw
-from fem.elastic.continuum import ring_sections
-from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess, geometry
 from lagrange import Bearing, Material
 from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import roller_angles
-from meshes.shapes import TRIANGLE, Mesh, counter_clockwise, gmsh_session, used_points
-
-# ---- Triangles of a section that gmsh has been told, and their plane-strain stiffness: for yardsticks with own
-# meshes.
-
-
-def mesh_of_section() -> MeshTri:
-    """Mesh what gmsh holds; nodes that no triangle has are left out."""
-    gmsh.model.mesh.generate(2)
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    used, cells = np.unique(gmsh.model.mesh.getElementsByType(2)[1], return_inverse=True)
-    order = np.argsort(tags)
-    points = coordinates.reshape(-1, 3)[order[np.searchsorted(tags[order], used)], :2]
-    return MeshTri(np.ascontiguousarray(points.T), np.ascontiguousarray(cells.reshape(-1, 3).T))
-
-
-def plane_strain_stiffness(basis: Basis, material: Material):
-    """Stiffness of a section one metre long, N/m, sparse, (basis.N, basis.N)."""
-    return linear_elasticity(material.lame_lambda, material.lame_mu).assemble(basis).tocsr()
-
+from lagrange.surface.faults import Spall
+from tests.reference.continua import separated
 
 # ---- Triangles whose boundary is given point by point: fine where bodies touch, coarse far from there.
 
-GROWTH = 0.15  # of a boundary piece's length, per length away from what is fine
+GROWTH = 0.15  # of a side's length, per length away from what is fine
+SAMPLES = 400_001  # of lengths around a circle
 
 
-def graded_circle(radius: float, zones: list[tuple[float, float, float]], coarse: float) -> np.ndarray:
-    """Angles around a circle from −π on, (n,), rad: `zones` of (first, last angle, spacing in m), `coarse` elsewhere.
+def graded(places: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """Points from the first to the last of places, as far apart as `length` at each of them says."""
+    steps = cumulative_trapezoid(1.0 / length, places, initial=0.0)
+    return np.interp(np.linspace(0.0, steps[-1], round(steps[-1]) + 1), steps, places)
 
-    Zones are in order and apart from each other and from ±π.
+
+def around(radius: float, zones: list[tuple[float, float, float]], coarse: float) -> np.ndarray:
+    """Angles of points around a circle, rad; `zones` : middle, rad, half-length and spacing, m; `coarse` elsewhere."""
+    angle, length = np.linspace(-pi, pi, SAMPLES), np.full(SAMPLES, coarse)
+    for middle, half, fine in zones:
+        away = radius * np.abs(np.angle(np.exp(1j * (angle - middle))))
+        length = np.minimum(length, fine + GROWTH * np.maximum(away - half, 0.0))
+    return graded(angle, length / radius)[1:]
+
+
+def on_circle(radius, angle) -> np.ndarray:
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
+
+
+def meshed(loops: list[np.ndarray], length: str = "") -> MeshTri:
+    """Triangles inside the first of closed polygons, (n, 2), m, outside all others; polygons' sides are elements'.
+
+    `length` : of sides inside, of x and y, as gmsh reads it; else they grow from the polygons' own
     """
-    found, before = [], zones[-1]
-    end = zones[-1][1] - 2.0 * np.pi
-    for first, last, fine in zones:
-        found.append(_between(end, first, before[2] / radius, fine / radius, coarse / radius))
-        found.append(np.linspace(first, last, max(2, round((last - first) * radius / fine) + 1)))
-        end, before = last, (first, last, fine)
-    return np.unique(np.concatenate(found))[1:]
-
-
-def _between(first: float, last: float, at_first: float, at_last: float, most: float) -> np.ndarray:
-    """Places from `first` to `last`, whose distances grow from both ends towards the middle."""
-    left, right, steps = [first], [last], [at_first, at_last]
-    while right[-1] - left[-1] > steps[0] + steps[1]:
-        side = 0 if steps[0] <= steps[1] else 1
-        steps[side] = min(most, (1.0 + GROWTH) * steps[side])
-        (left, right)[side].append((left[-1] + steps[0], right[-1] - steps[1])[side])
-    return np.array([*left, *right[::-1]])
-
-
-def meshed(loops: list[np.ndarray]) -> MeshTri:
-    """Triangles inside the first of closed polygons, (n, 2), m, outside all others; polygons' sides are elements'."""
     gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         geo, curves = gmsh.model.geo, []
         for loop in loops:
-            sizes = 0.5 * np.hypot(*(np.roll(loop, -1, axis=0) - np.roll(loop, 1, axis=0)).T)
-            points = [geo.addPoint(x, y, 0.0, size) for (x, y), size in zip(loop, sizes, strict=True)]
+            sides = 0.5 * np.hypot(*(np.roll(loop, -1, axis=0) - np.roll(loop, 1, axis=0)).T)
+            points = [geo.addPoint(x, y, 0.0, side) for (x, y), side in zip(loop, sides, strict=True)]
             lines = [geo.addLine(a, b) for a, b in zip(points, [*points[1:], points[0]], strict=True)]
             for line in lines:
                 geo.mesh.setTransfiniteCurve(line, 2)
             curves.append(geo.addCurveLoop(lines))
         geo.addPlaneSurface(curves)
         geo.synchronize()
-        return mesh_of_section()
-    finally:
-        gmsh.finalize()
-
-
-# ---- Triangles as fine as a contact at chosen spots of a surface, growing with the distance from them.
-
-FINEST = 0.25  # mesh size at the middle of a spot, over that at the half-width
-REACH = 4.0  # half-length of a spot, over the half-width
-COARSEST = 1.5  # largest mesh size, over depth / per_half_width
-FRONTAL_DELAUNAY = 6  # gmsh's algorithm with the best triangles
-
-
-class Spot:
-    """Where a contact of about a half-width b, m, presses: elements as long as b/per_half_width at its edge.
-
-    They grow in proportion to the distance, so a contact several times narrower or wider has as many elements at its
-    own edge, about.
-    """
-
-    def __init__(self, *, half_width: float, per_half_width: float):
-        self.half_width, self.per_half_width = half_width, per_half_width
-        self.finest = FINEST * half_width / per_half_width  # mesh size in the middle, m
-        self.growth = (1.0 - FINEST) / per_half_width  # of the mesh size per distance
-
-    @cached_property
-    def corners(self) -> np.ndarray:
-        """Corner nodes along the tangent, m, symmetric about the 0 in the middle."""
-        along = [0.0]
-        while along[-1] < REACH * self.half_width:
-            along.append(along[-1] + self.finest + self.growth * along[-1])
-        return np.array([-x for x in along[:0:-1]] + along)
-
-
-class RefinedDisc(NamedTuple):
-    """A disc with spots at the angles 0 and π."""
-
-    radius: float  # m
-    spot: Spot
-
-
-class RefinedSector(NamedTuple):
-    """One of equal sectors of an annulus, from −π/sectors to π/sectors; its raceway has a spot at the angle 0.
-
-    Nodes on its two straight sides lie at the same radii.
-    """
-
-    raceway_radius: float  # m
-    held_radius: float  # m
-    sectors: int
-    spot: Spot
-
-
-def refined_mesh(shape: RefinedDisc | RefinedSector) -> Mesh:
-    """Mesh of straight triangles; where it is curved the corners lie on the circles.
-
-    Errors
-    ------
-    RuntimeError: gmsh can't be loaded.
-    ValueError: spots overlap.
-    """
-    with gmsh_session(FRONTAL_DELAUNAY) as gmsh:
-        # the field alone sets the size; boundaries and points have no say
-        for option in ("ExtendFromBoundary", "FromPoints", "FromCurvature"):
-            gmsh.option.setNumber(f"Mesh.MeshSize{option}", 0)
-        (_draw_disc if isinstance(shape, RefinedDisc) else _draw_sector)(gmsh.model, shape)
+        if length:
+            for option in ("ExtendFromBoundary", "FromPoints", "FromCurvature"):
+                gmsh.option.setNumber(f"Mesh.MeshSize{option}", 0)
+            field = gmsh.model.mesh.field.add("MathEval")
+            gmsh.model.mesh.field.setString(field, "F", length)
+            gmsh.model.mesh.field.setAsBackgroundMesh(field)
         gmsh.model.mesh.generate(2)
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        _, nodes = gmsh.model.mesh.getElementsByType(TRIANGLE)
-    points, cells = used_points(tags, coordinates.reshape(-1, 3)[:, :2], nodes.reshape(-1, 3))
-    return Mesh(points=points, cells=counter_clockwise(points, cells))
+        used, cells = np.unique(gmsh.model.mesh.getElementsByType(2)[1], return_inverse=True)
+    finally:
+        gmsh.finalize()
+    order = np.argsort(tags)
+    nodes = coordinates.reshape(-1, 3)[order[np.searchsorted(tags[order], used)], :2]
+    return MeshTri(np.ascontiguousarray(nodes.T), np.ascontiguousarray(cells.reshape(-1, 3).T))
 
 
-def _draw_disc(model, disc: RefinedDisc) -> None:
-    centre, arc = model.geo.addPoint(0.0, 0.0, 0.0), model.geo.addCircleArc
-    (right, (a, b)), (left, (c, d)) = (_spot(model, disc.spot, disc.radius, angle) for angle in (0.0, pi))
-    loop = [*right, arc(b, centre, c), *left, arc(d, centre, a)]
-    _fill(model, loop, disc.spot, [(disc.radius, 0.0), (-disc.radius, 0.0)], disc.radius)
+# ---- One body: its matrices, how it yields at rest, its vibrations.
+
+SHIFT = (2.0 * pi * 2e3) ** 2  # 1/s², below 0, around which the slowest modes are found
+AT_ONCE = 32  # unit forces solved for
+SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
 
 
-def _draw_sector(model, ring: RefinedSector) -> None:
-    centre, arc, half = model.geo.addPoint(0.0, 0.0, 0.0), model.geo.addCircleArc, pi / ring.sectors
-    spot, ends = _spot(model, ring.spot, ring.raceway_radius, 0.0)
-    if asin(ring.spot.corners[-1] / ring.raceway_radius) >= half:
-        raise ValueError(f"spots {2.0 * ring.spot.corners[-1]:.2g} m wide overlap on a ring of {ring.sectors} sectors")
-    raceway = [_point(model, ring.raceway_radius, angle) for angle in (-half, half)]
-    held = [_point(model, ring.held_radius, angle) for angle in (-half, 0.0, half)]
-    sides = [model.geo.addLine(held[0], raceway[0]), model.geo.addLine(held[2], raceway[1])]
-    loop = [
-        sides[0], arc(raceway[0], centre, ends[0]), *spot, arc(ends[1], centre, raceway[1]), -sides[1],
-        arc(held[2], centre, held[1]), arc(held[1], centre, held[0]),
-    ]  # fmt: skip
-    model.geo.synchronize()
-    c, s = cos(2.0 * half), sin(2.0 * half)
-    model.mesh.setPeriodic(1, [sides[1]], [sides[0]], [c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])
-    _fill(model, loop, ring.spot, [(ring.raceway_radius, 0.0)], abs(ring.raceway_radius - ring.held_radius))
+class Section:
+    """A body of a length, m, meshed as `meshed` says; nodes on a circle of radius `held`, m, are held.
 
-
-def _point(model, radius: float, angle: float) -> int:
-    return model.geo.addPoint(radius * cos(angle), radius * sin(angle), 0.0)
-
-
-def _spot(model, spot: Spot, radius: float, angle: float) -> tuple[list[int], tuple[int, int]]:
-    """Edges of one element each along a circle, counter-clockwise, and the points at their ends."""
-    points = [_point(model, radius, angle + asin(along / radius)) for along in spot.corners]
-    edges = [model.geo.addLine(a, b) for a, b in itertools.pairwise(points)]
-    for edge in edges:
-        model.geo.mesh.setTransfiniteCurve(edge, 2)
-    return edges, (points[0], points[-1])
-
-
-def _fill(model, loop: list[int], spot: Spot, middles: list[tuple[float, float]], depth: float) -> None:
-    """One surface within a loop of curves; its mesh size grows with the distance from the spots."""
-    model.geo.addPlaneSurface([model.geo.addCurveLoop(loop)])
-    model.geo.synchronize()
-    sizes = [f"{spot.finest!r}+{spot.growth!r}*sqrt((x-({x!r}))^2+(y-({y!r}))^2)" for x, y in middles]
-    field, fields = model.mesh.field, []
-    for size in (*sizes, repr(COARSEST * depth / spot.per_half_width)):
-        fields.append(field.add("MathEval"))
-        field.setString(fields[-1], "F", size)
-    smallest = field.add("Min")
-    field.setNumbers(smallest, "FieldsList", fields)
-    field.setAsBackgroundMesh(smallest)
-
-
-# ---- Compliance of discs and rings between the nodes of their contacts, from quadratic elements on refined meshes.
-# Displacements are linear in the forces on the nodes of one contact; by rotation the other contacts follow. Forces
-# and displacements are along the line of centres, positive where a force pushes the surface in.
-
-QUADRATURE = 4  # order; exact for the stiffness of straight triangles
-HERMITIAN = {"SymmetricMode": True}  # SuperLU's way with positive definite matrices: half the fill
-SAME = 1e-6  # of a radius: nodes this close to a circle or a side lie on it
-
-
-def contact_nodes(spot: Spot) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes of one contact along the tangent, (m,), m, and the length each stands for, (m,), m, by Simpson's rule."""
-    along, length = np.zeros((2, 2 * len(spot.corners) - 1))
-    along[::2], along[1::2] = spot.corners, 0.5 * (spot.corners[:-1] + spot.corners[1:])
-    edges = np.diff(spot.corners)
-    length[1::2] = edges * (4.0 / 6.0)
-    length[:-1:2] += edges / 6.0
-    length[2::2] += edges / 6.0
-    return along, length
-
-
-def disc_spot_compliance(disc: RefinedDisc, material: Material, thickness: float) -> tuple[np.ndarray, np.ndarray]:
-    """Compliance of a free disc between the nodes of one spot, and from the other spot to this, (m, m) each, m/N.
-
-    The disc accelerates freely under its forces (inertia relief); displacements are relative to its centre of mass.
-    Either spot counts its nodes counter-clockwise.
+    points, (n, 2), m, of the other nodes; rim, (n,), whether they lie on a loop; stiffness and mass, (2 n, 2 n), of x
+    and y of each; rigid, (2 n, 3), its motions as a whole; rows of these unknowns among those of the basis
     """
-    basis = _basis(refined_mesh(disc), (disc.radius,))
-    stiffness, (dofs, (x, y)) = thickness * plane_strain_stiffness(basis, material), _nodes(basis)
-    modes = np.zeros((basis.N, 3))  # two translations and the rotation about the origin
-    modes[dofs[0], 0] = modes[dofs[1], 1] = 1.0
-    modes[dofs[0], 2], modes[dofs[1], 2] = -y, x
-    weighted = BilinearForm(lambda u, v, _: dot(u, v)).assemble(basis) @ modes
-    pushed = [_spot_nodes(basis, disc.radius, angle, disc.spot) for angle in (0.0, np.pi)]
-    force = np.zeros((basis.N, pushed[0].size))
-    force[pushed[0], np.arange(pushed[0].size)] = -1.0
-    force -= weighted @ np.linalg.solve(modes.T @ weighted, modes.T @ force)
-    bordered = sparse.bmat([[stiffness, weighted], [weighted.T, None]], format="csc")
-    found = splu(bordered).solve(np.concatenate([force, np.zeros((3, force.shape[1]))]))
-    return -found[pushed[0]], found[pushed[1]]
+
+    def __init__(self, loops: list[np.ndarray], material: Material, length: float, held=None, inside: str = ""):
+        mesh = meshed(loops, inside)
+        self.basis, self.material, self.length = Basis(mesh, ElementVector(ElementTriP2())), material, length
+        dofs = np.concatenate([self.basis.nodal_dofs, self.basis.facet_dofs], axis=1)
+        points, rim = self.basis.doflocs[:, dofs[0]].T, np.zeros(dofs.shape[1], dtype=bool)
+        rim[mesh.boundary_nodes()] = rim[mesh.nvertices + mesh.boundary_facets()] = True
+        free = np.ones(len(points), dtype=bool)
+        if held is not None:  # middles of sides lie inside the circle
+            free = ~rim | (np.abs(np.hypot(*points.T) / held - 1.0) > 0.01)
+        self.points, self.rim, self.rows = points[free], rim[free], dofs[:, free].T.ravel()
+        stiffness = linear_elasticity(material.lame_lambda, material.lame_mu).assemble(self.basis)
+        mass = BilinearForm(lambda u, v, _: dot(u, v)).assemble(self.basis)
+        inside = np.ix_(self.rows, self.rows)
+        self.stiffness, self.mass = length * stiffness[inside].tocsc(), material.density * length * mass[inside].tocsc()
+        x, y = self.points.T
+        self.rigid = np.stack([np.eye(2)[0] + 0.0 * self.points, np.eye(2)[1] + 0.0 * self.points,
+                               np.stack([-y, x], axis=1)], axis=2).reshape(-1, 3)  # fmt: skip
+        self.held, pins, ends = held is not None, np.zeros(2 * len(x)), np.argsort(x)[[0, -1]]
+        if not self.held:  # three springs, which loads that are balanced by inertia do not stretch
+            pins[[2 * ends[0], 2 * ends[0] + 1, 2 * ends[1] + 1]] = self.stiffness.diagonal().mean()
+        self.factor = splu((self.stiffness + sparse.diags(pins)).tocsc(), **SYMMETRIC)
+
+    def at_rest(self, force: np.ndarray) -> np.ndarray:
+        """Displacement by forces, (2 n, k); a free body speeds up as a whole, and is seen from its centre of mass."""
+        if self.held:
+            return self.factor.solve(force)
+        heavy = self.mass @ self.rigid
+        whole = np.linalg.inv(self.rigid.T @ heavy)
+        u = self.factor.solve(force - heavy @ (whole @ (self.rigid.T @ force)))
+        return u - self.rigid @ (whole @ (heavy.T @ u))
+
+    def influence(self, pushed: np.ndarray, moved: np.ndarray) -> np.ndarray:
+        """Displacement, m/N, of some unknowns at rest by unit forces on others."""
+        found = []
+        for some in np.array_split(pushed, pushed.size // AT_ONCE + 1):
+            force = np.zeros((self.rows.size, some.size))
+            force[some, np.arange(some.size)] = 1.0
+            found.append(self.at_rest(force)[moved])
+        return np.concatenate(found, axis=1)
+
+    def vibrations(self, cutoff: float) -> tuple[np.ndarray, np.ndarray]:
+        """Angular frequencies up to `cutoff`, rad/s, 0 of rigid motions, and shapes of unit mass, (2 n, n_modes)."""
+        of, area = self.material, self.rigid[:, 0] @ self.mass @ self.rigid[:, 0] / self.material.density / self.length
+        squared_speeds = of.dilatational_wave_speed**2, of.lame_mu / of.density
+        count = round(1.1 * area * cutoff**2 / (4.0 * pi) * sum(1.0 / c2 for c2 in squared_speeds)) + 20  # Weyl's law
+        start = np.random.default_rng(0).standard_normal(self.rows.size)  # ARPACK's own would differ from call to call
+        factor = splu((self.stiffness + SHIFT * self.mass).tocsc(), **SYMMETRIC)
+        inverse = LinearOperator(self.stiffness.shape, matvec=factor.solve)
+        squares, shapes = eigsh(self.stiffness, count, self.mass, sigma=-SHIFT, OPinv=inverse, v0=start)
+        assert squares.max() > cutoff**2, f"{count} modes end below the cutoff"
+        kept = squares < cutoff**2
+        return np.sqrt(np.where(squares < 1e-3 * SHIFT, 0.0, squares)[kept]), shapes[:, kept]
 
 
-def ring_spot_compliance(ring: RefinedSector, material: Material, thickness: float) -> np.ndarray:
-    """Compliance of a ring held on its other circle, (n_sectors, m, m), m/N.
+# ---- A roller squeezed by two Hertz pressures: the stress inside.
 
-    Entry [k] is the displacement of a spot by forces on the spot k sectors behind it (clockwise).
 
-    Displacements of sector k in its own axes are Σ û exp(2πi·h·k/n) over harmonics h, and each harmonic is a problem of
-    one sector whose sides are tied by u₊ = exp(2πi·h/n) R(2π/n) u₋ (Thomas, J. Sound Vib. 66, 585, 1979).
+def resolved_disc(radius, material, line_load, half_widths):
+    """Along the axis of symmetry from the lower contact to the upper one: y, m, and σ_xx, σ_yy, Pa.
+
+    `half_widths`: of the lower and the upper contact, m; `line_load`, N/m, on both.
     """
-    basis = _basis(refined_mesh(ring), (ring.raceway_radius, ring.held_radius))
-    stiffness, (free, tied) = thickness * plane_strain_stiffness(basis, material), _ties(basis, ring)
-    pushed = _spot_nodes(basis, ring.raceway_radius, 0.0, ring.spot)
-    force, found = np.zeros((basis.N, pushed.size)), []
-    force[pushed, np.arange(pushed.size)] = 1.0
-    force = free.T @ force  # no spot touches a side
-    own, across = free.T @ stiffness @ free + tied.T @ stiffness @ tied, free.T @ stiffness @ tied
-    for harmonic in range(ring.sectors // 2 + 1):
-        phase = np.exp(2j * np.pi * harmonic / ring.sectors)
-        matrix = (own + phase * across + np.conj(phase) * across.T).tocsc()
-        factor = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=HERMITIAN)
-        found.append(force.T @ factor.solve(force.astype(complex)))
-    return np.fft.irfft(np.array(found), n=ring.sectors, axis=0)
+    ends = [(side, b) for side, b in zip((-1.0, 1.0), half_widths, strict=True)]
+    rim = on_circle(radius, around(radius, [(side * 0.5 * pi, 1.5 * b, 0.1 * b) for side, b in ends], 0.1 * radius))
+    inside = [f"{0.05 * b!r}+{GROWTH}*Sqrt(x^2+(y-({side * radius!r}))^2)" for side, b in ends]
+    disc = Section([rim], material, 1.0, inside=f"Min(Min({inside[0]},{inside[1]}),{0.1 * radius!r})")
+
+    @LinearForm
+    def pressure(v, w):
+        x, y = w.x
+        share = radius * np.arctan2(np.abs(x), np.abs(y)) / np.where(y < 0.0, *half_widths)
+        p = 2.0 * line_load / np.pi / np.where(y < 0.0, *half_widths) * np.sqrt(np.maximum(1.0 - share**2, 0.0))
+        return -p * dot(w.n, v)
+
+    load = pressure.assemble(FacetBasis(disc.basis.mesh, disc.basis.elem, intorder=8))
+    u = disc.basis.zeros()
+    u[disc.rows] = disc.at_rest(load[disc.rows, None])[:, 0]
+    gradient = disc.basis.interpolate(u).grad
+    strain, linear = 0.5 * (gradient + np.swapaxes(gradient, 0, 1)), disc.basis.with_element(ElementTriP1())
+    away = np.geomspace(0.01 * min(half_widths), radius, 600)
+    y = np.concatenate([away - radius, radius - away[-2::-1]])
+    stress = [2.0 * material.lame_mu * strain[i, i] + material.lame_lambda * np.trace(strain) for i in (0, 1)]
+    return y, *(linear.interpolator(linear.project(s))(np.stack([0.0 * y, y])) for s in stress)
 
 
-def _basis(mesh, circles: tuple[float, ...]) -> Basis:
-    """Quadratic elements; the middles of edges between corners on a circle lie on it."""
-    straight = MeshTri(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.cells.T))
-    curved, edges = MeshTri2.from_mesh(straight), straight.boundary_facets()
-    radius = np.hypot(*straight.p[:, straight.facets[:, edges]])
-    middles, points = curved.dofs.facet_dofs[0, edges], curved.doflocs.copy()
-    for circle in circles:
-        on = middles[np.all(np.abs(radius - circle) < SAME * circle, axis=0)]
-        points[:, on] *= circle / np.hypot(*points[:, on])
-    return Basis(replace(curved, doflocs=points), ElementVector(ElementTriP2()), intorder=QUADRATURE)
+# ---- Bodies that must balance loads: they stand on springs until these carry nothing (proximal points).
+
+STILL = 1e-14  # m, in a step of these
 
 
-def _nodes(basis: Basis) -> tuple[np.ndarray, np.ndarray]:
-    """Degrees of freedom of every node, corners then middles of edges, (2, n_nodes), and where they are."""
-    dofs = np.concatenate([basis.nodal_dofs, basis.facet_dofs], axis=1)
-    return dofs, basis.doflocs[:, dofs[0]]
+def balanced(gaps, compliance: np.ndarray, load: np.ndarray, place: np.ndarray, spring: float):
+    """Forces on nodes, N, and places, m, of what moves as a whole, at which they carry a load, N.
+
+    `gaps` : of places, the nodes' undeformed gaps, m, and by how much places close them; `spring`, N/m
+    """
+    force = np.zeros(len(compliance))
+    for _ in range(100):
+        gap, closing = gaps(place)
+        on_springs = compliance + closing @ closing.T / spring
+        force = separated(gap - closing @ load / spring, on_springs, force > 0.0)
+        left = load - closing.T @ force
+        place = place + left / spring
+        if np.abs(left).max() < STILL * spring:
+            return force, place
+    raise RuntimeError("no equilibrium")
 
 
-def _spot_nodes(basis: Basis, radius: float, angle: float, spot: Spot) -> np.ndarray:
-    """Degrees of freedom along x, (m,), of a spot's nodes, counter-clockwise."""
-    dofs, (x, y) = _nodes(basis)
-    off = np.mod(np.arctan2(y, x) - angle + np.pi, 2.0 * np.pi) - np.pi
-    end = np.arcsin(spot.corners[-1] / radius)
-    on = np.flatnonzero((np.abs(np.hypot(x, y) - radius) < 1e-9 * radius) & (np.abs(off) < end + SAME))
-    return dofs[0, on[np.argsort(off[on])]]
+def ring_in_bore(radii: tuple[float, float], material: Material, bed: float, play: float, forces, n_points: int):
+    """Pressure, Pa, and outward displacement, m, of the outside at angles 2πi/n, of a ring in a bore.
+
+    The bore pushes by bed, Pa/m · (displacement − play), never pulls, without friction. Forces are (radius, m, angle,
+    N per m of length outwards).
+    """
+    outside = 2.0 * pi / n_points * np.arange(n_points)
+    inside = np.unique(np.round(np.append(outside, [angle % (2.0 * pi) for _, angle, _ in forces]), 9))
+    ring = Section([on_circle(radii[1], outside), on_circle(radii[0], inside)], material, 1.0)
+    distance, turn = np.hypot(*ring.points.T), np.mod(np.arctan2(*ring.points[:, ::-1].T) + 1e-9, 2.0 * pi)
+    at = np.flatnonzero(ring.rim & (distance > 0.5 * sum(radii)))
+    at = at[np.argsort(turn[at])]  # corners, and middles of sides
+    normal, load = ring.points[at] / distance[at, None], np.zeros((len(ring.points), 2))
+    for radius, angle, force in forces:
+        load[np.argmin(np.hypot(*(ring.points - on_circle(radius, angle)).T))] += on_circle(force, angle)
+    pushed = np.zeros((len(ring.points), 2, at.size))
+    pushed[at, :, np.arange(at.size)] = normal
+    moved = ring.at_rest(np.column_stack([load.ravel(), pushed.reshape(-1, at.size)])).reshape(-1, 2, 1 + at.size)
+    moved = np.einsum("ia,iaj->ij", normal, moved[at])
+    area = 2.0 * pi / n_points * radii[1] * np.tile([1.0 / 3.0, 2.0 / 3.0], n_points)
+    force, place = balanced(
+        lambda place: (play - moved[:, 0] - normal @ place, normal), np.diag(1.0 / (bed * area)) + moved[:, 1:],
+        load.sum(axis=0), np.zeros(2), 1e-3 * bed * radii[1],
+    )  # fmt: skip
+    return (force / area)[::2], (moved[:, 0] - moved[:, 1:] @ force + normal @ place)[::2]
 
 
-def _ties(basis: Basis, ring: RefinedSector) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
-    """From the unknowns, nodes off the held circle and off one side, to those nodes and to the nodes of that side."""
-    dofs, (x, y) = _nodes(basis)
-    radius, angle, half = np.hypot(x, y), np.arctan2(y, x), np.pi / ring.sectors
-    held = np.abs(radius - ring.held_radius) < SAME * ring.held_radius
-    sides = [np.flatnonzero(~held & (np.abs(angle - side) < SAME)) for side in (-half, half)]
-    first, second = (side[np.argsort(radius[side])] for side in sides)
-    if first.size != second.size or not np.allclose(radius[first], radius[second], rtol=SAME):
-        raise RuntimeError("the nodes on the two sides of a sector differ")
-    unknown = ~held
-    unknown[second] = False
-    columns = dofs[:, unknown].T.ravel()
-    free = sparse.csr_matrix((np.ones(columns.size), (columns, np.arange(columns.size))), (basis.N, columns.size))
-    c, s = np.cos(2.0 * half), np.sin(2.0 * half)
-    turned = sparse.csr_matrix((basis.N, basis.N), dtype=float).tolil()
-    for i, turn in enumerate(((c, -s), (s, c))):
-        for j in range(2):
-            turned[dofs[i, second], dofs[j, first]] = turn[j]
-    return free, turned.tocsr() @ free
+# ---- The whole bearing at rest on meshes refined where one of its rollers touches; undeformed gaps are those of exact
+# circles, and forces and displacements of a contact are along its line of centres.
 
-
-# ---- Statics of the whole bearing on locally refined meshes of quadratic elements: the yardstick with elements of
-# its own. No law below the grid, no layer, no assumed pressure: nodes of the two surfaces lie opposite each other and
-# push or stand open (Signorini). Undeformed gaps are those of exact circles.
-
+FINEST, REACH = 0.25, 4.0  # side in the middle of a contact, over that at its edge; what is fine, over the half-width
 STRIBECK = 5.0  # largest roller load times the number of rollers over the bearing's load, about (Stribeck 1907)
+LOOSE = 1e3  # 1/m, of the load: springs that hold hub and rollers where they were last
 
 
 class QuadraticStatics(NamedTuple):
@@ -342,64 +254,67 @@ class QuadraticStatics(NamedTuple):
     gap: np.ndarray  # (2, n_rollers, n_nodes), m, between the deformed surfaces of inner and of outer contacts
 
 
-def quadratic_statics(
-    bearing: Bearing, radial_load: float, first_roller_angle: float, per_half_width: float = 5.0
-) -> QuadraticStatics:
-    """Equilibrium of standing, weightless, frictionless elastic bodies under a load along −y, N; angle in rad from +x.
+def contact_nodes(half_width: float, per_half_width: float) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes of one contact along the tangent, (m,), m, corners and middles of sides by turns, and the length that each
+    stands for, (m,), m, by Simpson's rule; sides at the half-width, m, are half-width/per_half_width long."""
+    corners = [0.0]
+    while corners[-1] < REACH * half_width:
+        corners.append(corners[-1] + (FINEST * half_width + (1.0 - FINEST) * corners[-1]) / per_half_width)
+    corners = np.array([-x for x in corners[:0:-1]] + corners)
+    along, length = np.zeros((2, 2 * corners.size - 1))
+    along[::2], along[1::2] = corners, 0.5 * (corners[:-1] + corners[1:])
+    sides = np.diff(corners)
+    length[1::2] = sides * (4.0 / 6.0)
+    length[:-1:2] += sides / 6.0
+    length[2::2] += sides / 6.0
+    return along, length
 
-    Rollers stay at their angles. Element edges at the rim of a contact are half-width/per_half_width long.
 
-    Errors
-    ------
-    Of the mesh: 4e-4 with the default, 1e-4 at 8 elements per half-width. Of the theory: pressures push along the line
-    of centres; along each surface's own normal the hub would sink by 3e-4 more (the paper's bearing). Influences are
-    those at the rollers' angles, from which lines of centres differ by the hub's displacement over the pitch radius.
-    ValueError: the load is not positive; surfaces that are not perfect circles.
-    NotFound: no equilibrium, or contacts several times wider than the load makes one expect.
+def spot_compliance(
+    radius: float, held: float | None, material: Material, length: float, spot: tuple[float, float], spots: int
+) -> np.ndarray:
+    """Of a disc, or of a ring held on another circle, between nodes of contacts all around, (spots, m, m), m/N.
+
+    Entry [k] is the displacement of one contact's nodes by forces on the contact k places behind it (clockwise), either
+    counting its nodes counter-clockwise. `spot` : as `contact_nodes` has it
     """
-    if not radial_load > 0.0:
-        raise ValueError(f"radial load {radial_load:g} N: the mesh is made for the contacts of a load > 0")
-    if bearing.faults:
-        raise ValueError("bearing.faults: the contacts of these meshes lie on perfect circles; leave the faults out")
-    n, angle = bearing.n_rollers, roller_angles(bearing, first_roller_angle)
-    radial = np.column_stack([np.cos(angle), np.sin(angle)])
-    half_width = contact_pairs(bearing)[0].half_width(STRIBECK * radial_load / n)  # it only scales the mesh
-    spot = Spot(half_width=half_width, per_half_width=per_half_width)
-    along, length = contact_nodes(spot)
-    # how far circles fall apart beside the line of centres, m
-    roller, inner, outer = (along**2 / (R + np.sqrt(R**2 - along**2)) for R in (
-        bearing.roller_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius))  # fmt: skip
-    points = Condensed(
-        bearing=bearing, radial=radial, inner_law=NoLaw(), outer_law=NoLaw(),
-        contact=np.repeat(np.arange(2 * n), along.size), compliance=_compliance(bearing, half_width, per_half_width),
-        closing=-np.concatenate([np.tile(fall, n) for fall in (roller + inner, roller - outer)]),
-    )  # fmt: skip
-    area = length * bearing.roller_length
-    place, force = balance(points, Loads(radial_load), first_guess(bearing, radial, radial_load))
-    force = closed_forces(force)
-    overlap = geometry(bearing, radial, place)[0]
-    pressed = force.reshape(2, n, -1)
-    if (pressed[..., [0, -1]] > 0.0).any():
-        raise NotFound(f"contacts are wider than the {along[-1]:.2g} m that the mesh resolves to either side")
-    (inner_force, outer_force), (inner_pressure, outer_pressure) = pressed.sum(axis=2), pressed / area
-    gap = (points.compliance @ force - overlap[points.contact] - points.closing).reshape(pressed.shape)
-    return QuadraticStatics(
-        hub=place[:2], rho=place[2:], inner_force=inner_force, outer_force=outer_force, across=along,
-        inner_pressure=inner_pressure, outer_pressure=outer_pressure, gap=gap,
-    )  # fmt: skip
+    along, finest, growth = contact_nodes(*spot)[0], FINEST * spot[0] / spot[1], (1.0 - FINEST) / spot[1]
+    end, depth = np.arcsin(along[-1] / radius), radius if held is None else abs(held - radius)
+    away, coarse = np.linspace(end, 2.0 * pi - end, SAMPLES), min(0.05 * radius, depth / 6.0)
+    sides = np.minimum(finest + growth * 2.0 * radius * np.sin(0.5 * away), coarse)
+    rest = graded(away, sides / radius)[1:-1]
+    loops = [on_circle(radius, np.concatenate([np.arcsin(along[::2] / radius), rest]))]
+    if held is not None:
+        loops.insert(int(held < radius), on_circle(held, around(held, [], coarse)))
+    inside = f"Min({finest!r}+{growth!r}*Sqrt((x-{radius!r})^2+y^2),{depth / 5.0!r})"
+    body = Section(loops, material, length, held, inside)
+    rim = np.flatnonzero(body.rim)
+    angle = np.arctan2(*body.points[rim, ::-1].T)
+    rim, angle = rim[np.argsort(angle)], np.sort(angle)
+    pushed = rim[np.abs(angle) < end + 1e-9]
+    assert np.allclose(body.points[pushed, 1], along, atol=1e-6 * along[-1])
+    x, y = (body.influence(2 * pushed, 2 * rim + axis) for axis in (0, 1))
+    moved = CubicSpline(np.append(angle, angle[0] + 2.0 * pi), np.append(x + 1j * y, x[:1] + 1j * y[:1], axis=0),
+                        bc_type="periodic")  # fmt: skip
+    places = angle[np.abs(angle) < end + 1e-9]
+    turns = 2.0 * pi / spots * np.arange(spots)
+    return np.array([(moved(places + turn) * np.exp(-1j * turn)).real for turn in turns])
 
 
 @lru_cache(maxsize=1)  # wherever the rollers stand
 def _compliance(bearing: Bearing, half_width: float, per_half_width: float) -> np.ndarray:
     """Between the nodes of all contacts, inner ones first, (2 n m, 2 n m), m/N."""
-    spot = Spot(half_width=half_width, per_half_width=per_half_width)
-    n, m, length = bearing.n_rollers, contact_nodes(spot)[0].size, bearing.roller_length
+    spot = half_width, per_half_width
+    n, m, length = bearing.n_rollers, contact_nodes(*spot)[0].size, bearing.roller_length
     found, j = np.zeros((2, n, m, 2, n, m)), np.arange(n)
-    for kind, (raceway, held, material, _) in enumerate(ring_sections(bearing)):
-        ring = ring_spot_compliance(RefinedSector(raceway, held, n, spot), material, length)
+    for kind, (raceway, held, material) in enumerate((
+        (bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring),
+        (bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring),
+    )):  # fmt: skip
+        ring = spot_compliance(raceway, held, material, length, spot, n)
         for k in range(n):
             found[kind, j, :, kind, k] = ring[(j - k) % n]
-    own, other = disc_spot_compliance(RefinedDisc(bearing.roller_radius, spot), bearing.roller, length)
+    own, other = spot_compliance(bearing.roller_radius, None, bearing.roller, length, spot, 2)
     # the roller counts its nodes as the outer raceway does, and against the inner one
     found[1, j, :, 1, j] += own
     found[0, j, :, 0, j] += own[::-1, ::-1]
@@ -407,3 +322,264 @@ def _compliance(bearing: Bearing, half_width: float, per_half_width: float) -> n
     found[0, j, :, 1, j] += other[::-1]
     found.flags.writeable = False
     return found.reshape(2 * n * m, 2 * n * m)
+
+
+def quadratic_statics(
+    bearing: Bearing, radial_load: float, first_roller_angle: float, per_half_width: float = 5.0
+) -> QuadraticStatics:
+    """Equilibrium of standing, weightless, frictionless elastic bodies under a load along −y, N; angle in rad from +x.
+
+    Rollers stay at their angles.
+
+    Errors
+    ------
+    Of the mesh: 4e-4 with the default, 1e-4 at 8 elements per half-width. Of the theory: pressures push along the line
+    of centres; along each surface's own normal the hub would sink by 3e-4 more (the paper's bearing). Influences are
+    those at the rollers' angles, from which lines of centres differ by the hub's displacement over the pitch radius.
+    """
+    n, radial = bearing.n_rollers, on_circle(1.0, roller_angles(bearing, first_roller_angle))
+    half_width = contact_pairs(bearing)[0].half_width(STRIBECK * radial_load / n)  # it only scales the mesh
+    along, length = contact_nodes(half_width, per_half_width)
+    compliance = _compliance(bearing, half_width, per_half_width)
+    r, inner, outer = bearing.roller_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius
+    falls = [along**2 / (R + np.sqrt(R**2 - along**2)) for R in (r, inner, outer)]  # beside the line of centres, m
+    fall = np.concatenate([np.tile(falls[0] + falls[1], n), np.tile(falls[0] - falls[2], n)])
+    load, j = np.append([0.0, -radial_load], np.zeros(n)), np.arange(n)
+
+    def gaps(place):
+        to_roller = place[2:, None] * radial - place[:2]
+        distance, closing = np.hypot(*to_roller.T), np.zeros((2 * n, 2 + n))
+        closing[:n, :2] = to_roller / distance[:, None]
+        closing[j, 2 + j], closing[n + j, 2 + j] = -np.sum(closing[:n, :2] * radial, axis=1), 1.0
+        overlap = np.concatenate([inner + r - distance, place[2:] + r - outer])
+        return fall - np.repeat(overlap, along.size), np.repeat(closing, along.size, axis=0)
+
+    start = np.append([0.0, 0.0], np.full(n, bearing.pitch_radius))
+    force, place = balanced(gaps, compliance, load, start, LOOSE * radial_load)
+    pressed, area = force.reshape(2, n, -1), length * bearing.roller_length
+    assert not pressed[..., [0, -1]].any(), f"contacts are wider than the {along[-1]:.2g} m that the mesh resolves"
+    return QuadraticStatics(
+        hub=place[:2], rho=place[2:], inner_force=pressed[0].sum(axis=1), outer_force=pressed[1].sum(axis=1),
+        across=along, inner_pressure=pressed[0] / area, outer_pressure=pressed[1] / area,
+        gap=(gaps(place)[0] + compliance @ force).reshape(pressed.shape),
+    )  # fmt: skip
+
+
+# ---- Bodies in motion by their lowest vibrations; what all others add to the motion of the nodes that may be touched
+# follows at once, as in statics. A step is a small linear complementarity problem.
+
+
+class Body(NamedTuple):
+    """A body as its contact nodes feel it."""
+
+    points: np.ndarray  # (n_contact, 2), m, contact nodes as meshed, by their angle
+    omega: np.ndarray  # (n_modes,), rad/s; 0 of rigid ones
+    shapes: np.ndarray  # (2 n_contact, n_modes), x and y of each node, 1/√kg
+    residual: np.ndarray  # (2 n_contact, 2 n_contact), m/N
+    translation: np.ndarray  # (n_modes, 2), √kg: modes' parts in moving along x and y by 1
+    mass: float  # kg
+
+
+def body(of: Section, cutoff: float, zones) -> Body:
+    """With modes up to a frequency, Hz; `zones` : middles and half-lengths, rad, of what may be touched."""
+    angle, at = np.arctan2(*of.points[:, ::-1].T), of.rim.copy()
+    at &= np.any([np.abs(angle - middle) <= half for middle, half in zones], axis=0)
+    at = np.flatnonzero(at)[np.argsort(angle[at])]
+    contact, (omega, modes) = (2 * at[:, None] + np.arange(2)).ravel(), of.vibrations(2.0 * pi * cutoff)
+    shapes, elastic = modes[contact], omega > 0.0
+    known = (shapes[:, elastic] / omega[elastic] ** 2) @ shapes[:, elastic].T
+    residual, unit = of.influence(contact, contact) - known, of.mass @ of.rigid[:, :2]
+    return Body(
+        points=of.points[at], omega=omega, shapes=shapes, residual=0.5 * (residual + residual.T),
+        translation=modes.T @ unit, mass=float(of.rigid[:, 0] @ unit[:, 0]),
+    )  # fmt: skip
+
+
+class Motion:
+    """A body's modes in time, by the trapezoidal rule; `still`: at rest, with steps that find equilibrium."""
+
+    def __init__(self, of: Body, step: float, still: bool = False):
+        self.body, self.step, self.still = of, step, still
+        self.inertia = (1.0 if still else 4.0) / step**2
+        self.answer = 1.0 / (self.inertia + of.omega**2)
+        self.compliance = of.residual + (of.shapes * self.answer) @ of.shapes.T
+        self.q, self.v, self.a, self.load = np.zeros((4, of.omega.size))
+        self.stored = 0.0  # J, beside the modes
+
+    def expect(self) -> np.ndarray:
+        """Where contact nodes, (n_contact, 2), m, would be after the step if nothing touched."""
+        self.drifted = self.q if self.still else self.q + self.step * self.v + 0.25 * self.step**2 * self.a
+        self.expected = self.answer * (self.inertia * self.drifted + self.load)
+        return (self.body.shapes @ self.expected).reshape(-1, 2)
+
+    def advance(self, force: np.ndarray) -> None:
+        """Take the step with forces on the contact nodes, (2 n_contact,), N."""
+        self.q, k = self.expected + self.answer * (force @ self.body.shapes), np.flatnonzero(force)
+        self.stored = 0.5 * float(force[k] @ self.body.residual[np.ix_(k, k)] @ force[k])
+        if not self.still:
+            new = (self.q - self.drifted) * self.inertia
+            self.v, self.a = self.v + 0.5 * self.step * (self.a + new), new
+
+    def mean(self, q: np.ndarray) -> np.ndarray:
+        """Motion of the centre of mass, (2,), m."""
+        return q @ self.body.translation / self.body.mass
+
+    @property
+    def energy(self) -> tuple[float, float]:
+        """Kinetic and elastic, J."""
+        return 0.5 * float(self.v @ self.v), 0.5 * float(np.sum((self.body.omega * self.q) ** 2)) + self.stored
+
+
+# ---- A roller between rings, or on one, that it meets anywhere between its own nodes. It is free, without friction and
+# without spin (a disc's answer does not depend on it).
+
+SETTLING, SETTLINGS = 1e-4, 12  # s, of a step that finds equilibrium; how many
+NEAR = 0.5e-6  # m, of gaps looked at in a step: bodies at 1 m/s come nearer by 0.1 µm
+
+
+class Run:
+    """The roller in steps; `rings`: bodies and where their contact nodes lie, (n, 2), m, on the true surface."""
+
+    def __init__(self, roller: Body, radius: float, rings: list[tuple[Body, np.ndarray]], start, step: float):
+        self.radius, self.start, self.places = radius, np.asarray(start, dtype=float), [at for _, at in rings]
+        self.motions = [Motion(each, step) for each in (roller, *(ring for ring, _ in rings))]
+        self.pressures = [np.zeros(len(at)) for at in self.places]  # N, on each node
+        self.angle = np.arctan2(*roller.points[:, ::-1].T)
+
+    def settle(self, swing: float = 0.0) -> np.ndarray:
+        """Find the equilibrium of the roller that runs around the origin at `swing`, rad/s, and set it going; forces as
+        `advance` has them."""
+        moving, roller = self.motions, self.motions[0].body
+        self.motions = still = [Motion(motion.body, SETTLING, still=True) for motion in moving]
+        still[0].load = roller.translation @ (swing**2 * self.start)
+        for _ in range(SETTLINGS):
+            forces = self.advance(near=np.inf)
+        centre, self.motions = self.centre, moving
+        for motion, found in zip(moving, still, strict=True):
+            motion.q, motion.stored = found.q, found.stored
+        moving[0].v = roller.translation @ (swing * np.array([-centre[1], centre[0]]))
+        moving[0].a = roller.translation @ (-(swing**2) * centre)
+        return forces
+
+    @property
+    def centre(self) -> np.ndarray:
+        """Of the roller's mass, (2,), m."""
+        return self.start + self.motions[0].mean(self.motions[0].q)
+
+    @property
+    def energy(self) -> np.ndarray:
+        """Kinetic and elastic, J, of roller and rings, (1 + n_rings, 2)."""
+        return np.array([motion.energy for motion in self.motions])
+
+    def _gaps(self, places: np.ndarray, centre: np.ndarray, strained: np.ndarray, near: float):
+        """Nodes of a ring that come within `near`, m, of the roller, their gaps, normals from its centre, and how moves
+        of the roller's and of the ring's nodes change the gaps; `strained`: of the roller's nodes about its centre."""
+        away, axes = places - centre, np.arange(2)
+        distance = np.hypot(*away.T)
+        normal = away / distance[:, None]
+        toward = np.arctan2(normal[:, 1], normal[:, 0])
+        after = np.clip(np.searchsorted(self.angle, toward), 1, self.angle.size - 1)
+        pair = np.stack([after - 1, after], axis=1)
+        width = self.angle[after] - self.angle[after - 1]
+        beyond = (toward - self.angle[after - 1]) / width
+        share = np.stack([1.0 - beyond, beyond], axis=1)
+        gap = distance - self.radius - np.sum(normal * np.einsum("ij,ijk->ik", share, strained[pair]), axis=1)
+        fine = (beyond >= 0.0) & (beyond <= 1.0) & (width < 0.1)
+        k = np.flatnonzero(fine & (gap < near))
+        starts, weights = 2 * np.arange(k.size + 1), -(share[k, :, None] * normal[k, None, :]).ravel()
+        on_roller, on_ring = (2 * pair[k, :, None] + axes).ravel(), (2 * k[:, None] + axes).ravel()
+        by_roller = sparse.csr_matrix((weights, on_roller, 2 * starts), (k.size, strained.size))
+        by_ring = sparse.csr_matrix((normal[k].ravel(), on_ring, starts), (k.size, places.size))
+        return k, gap[k], normal[k], by_roller, by_ring
+
+    def advance(self, near: float = NEAR) -> np.ndarray:
+        """Take a step; forces of the rings on the roller, (n_rings, 2), N."""
+        roller, *rings = self.motions
+        moves = roller.expect()
+        shift = roller.mean(roller.expected)
+        found = [self._gaps(at + ring.expect(), self.start + shift, moves - shift, near)
+                 for at, ring in zip(self.places, rings, strict=True)]  # fmt: skip
+        nodes, each_gap, normals, by_roller, by_ring = zip(*found, strict=True)
+        both, ends = sparse.vstack(by_roller).tocsr(), np.cumsum([0, *map(len, nodes)])
+        parts, compliance = [slice(*ends[i : i + 2]) for i in range(len(rings))], both @ (both @ roller.compliance).T
+        for part, ring, by in zip(parts, rings, by_ring, strict=True):
+            compliance[part, part] += by @ (by @ ring.compliance).T
+        pushed = [pressure[node] > 0.0 for pressure, node in zip(self.pressures, nodes, strict=True)]
+        force = separated(np.concatenate(each_gap), compliance, np.concatenate(pushed))
+        roller.advance(both.T @ force)
+        for part, ring, by, pressure, node in zip(parts, rings, by_ring, self.pressures, nodes, strict=True):
+            ring.advance(by.T @ force[part])
+            pressure[:] = 0.0
+            pressure[node] = force[part]
+        return -np.array([normal.T @ force[part] for normal, part in zip(normals, parts, strict=True)])
+
+
+# ---- A roller that crosses a spall at the lowest point of the outer ring: every body meshed, the spall cut out of the
+# mesh. Fixed axes, the load along −y; the rings' far sides are held, the hub stays.
+
+DOWN = -0.5 * pi
+ARC = 0.45  # rad, of an edge that may be touched
+ROOM = 0.1e-3  # m, of fine mesh beyond where contacts' middles get
+
+
+class Fineness(NamedTuple):
+    """Lengths of elements' sides, m; nodes lie half as far apart."""
+
+    edge: float = 3e-6  # outer ring at the spall's edges
+    raceway: float = 10e-6
+    roller: float = 4e-6  # finer than what it rolls on: the rings' nodes meet it anywhere between its own
+    far_roller: float = 0.2e-3
+    far: float = 1.0e-3
+    cutoff: float = 0.7e6  # Hz, of modes
+
+
+FINE = Fineness()
+
+
+def roller_body(bearing: Bearing, lower: float, upper: float, fine: Fineness) -> Body:
+    """The roller, touched within half-lengths `lower` and `upper`, m, below and above."""
+    r, zones = bearing.roller_radius, [(DOWN, lower, fine.roller), (-DOWN, upper, fine.roller)]
+    section = Section([on_circle(r, around(r, zones, fine.far_roller))], bearing.roller, bearing.roller_length)
+    return body(section, fine.cutoff, [(middle, half / r) for middle, half, _ in zones])
+
+
+def bare_depth(spall: Spall | None, opening: float, chord: np.ndarray) -> np.ndarray:
+    """How far the bare profile lies outside the raceway's circle, m, at places along the chord from its middle."""
+    if spall is None:
+        return np.zeros_like(chord)
+    inside, e = np.clip(opening - np.abs(chord), 0.0, spall.edge_radius), spall.edge_radius
+    return np.where(inside < e, np.minimum(e - np.sqrt(e * e - inside**2), spall.depth), spall.depth)
+
+
+def crossing(
+    bearing: Bearing, spall: Spall | None, hub, ahead: float, beyond: float, step: float, fine: Fineness = FINE
+) -> Run:
+    """The roller starts `ahead`, m along the raceway, of the load line and gets as far as `beyond`; `hub`, (2,), m."""
+    R, Ri, r = bearing.outer_raceway_radius, bearing.inner_raceway_radius, bearing.roller_radius
+    most, opening, least = max(ahead, beyond), 0.0, 0.0
+    half, inner_half = most + 1.5 * ROOM, most * Ri / R + 1.5 * ROOM
+    zones = [(DOWN, half, fine.raceway)]
+    if spall is not None:
+        opening = spall.half_opening(r)
+        least = opening - spall.edge_radius * np.sin(ARC)
+        zones += [(DOWN + side * np.arcsin(opening / R), 0.45 * spall.edge_radius, fine.edge) for side in (-1.0, 1.0)]
+
+    def profile(angle):
+        return R + np.where(np.sin(angle) < 0.0, bare_depth(spall, opening, R * np.cos(angle)), 0.0)
+
+    def ring(loop, held, material, touched) -> tuple[Body, np.ndarray]:
+        """And the angles of its contact nodes."""
+        far = on_circle(held, around(held, [], fine.far))
+        section = Section([loop, far] if held < R else [far, loop], material, bearing.roller_length, held)
+        found = body(section, fine.cutoff, touched)
+        return found, np.arctan2(*found.points[:, ::-1].T)
+
+    angle = around(R, zones, fine.far)
+    sides = [(DOWN + side * 0.5 * (half + least) / R, 0.5 * (half - least) / R) for side in (-1.0, 1.0)]
+    outer, seen = ring(on_circle(profile(angle), angle), bearing.outside_radius, bearing.outer_ring, sides)
+    rim = on_circle(Ri, around(Ri, [(DOWN, inner_half, fine.raceway)], fine.far))
+    inner, under = ring(rim, bearing.bore_radius, bearing.inner_ring, [(DOWN, inner_half / Ri)])
+    roller = roller_body(bearing, max(opening, most * r / R) + ROOM, most * r / R + ROOM, fine)
+    rings = [(outer, on_circle(profile(seen), seen)), (inner, on_circle(Ri, under) + hub)]
+    along = on_circle(1.0, DOWN - ahead / R)
+    return Run(roller, r, rings, 0.5 * (R + float(along @ hub) + Ri) * along, step)

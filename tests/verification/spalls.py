@@ -9,7 +9,7 @@ from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.surface.faults import Spall
 from tests.reference.kit import LOAD, PAPER, RUNNING
-from tests.reference.resolved import Run, crossing
+from tests.reference.quadratic import crossing
 from tests.verification import Case, Check
 
 CAGE, RACEWAY = kinematics(PAPER, RUNNING.speed).cage, PAPER.outer_raceway_radius
@@ -18,7 +18,7 @@ SHAFT_KG = 1e3  # which falls by 20 nm until the strike is over
 AHEAD, BESIDE = 0.35e-3, 0.25e-3  # m along the raceway: before the spall, for the yardstick; after it, judged
 STEP = 0.1e-6  # s, of the yardstick; samples of the program are 0.5 µs apart
 MODELS = {"finite elements, 1 mm": ("fem", 1.0), "finite elements, 2 mm": ("fem", 2.0), "reduced": ("reduced", 1.0)}
-SOURCE = "computed: quadratic triangles in motion, nodes 1.5 to 5 µm apart in contacts (tests.reference.resolved)"
+SOURCE = "computed: quadratic triangles in motion, nodes 1.5 to 5 µm apart in contacts (tests.reference.quadratic)"
 
 
 class Strike(NamedTuple):
@@ -51,8 +51,8 @@ def yardstick(spall: Spall, half: float, hub: np.ndarray) -> Strike:
     first, n, ahead, beyond = -0.5 * np.pi - np.radians(FIRST_DEG), PAPER.n_rollers, half + AHEAD, half + BESIDE + 5e-5
     loads, coupling = exact_statics(PAPER, LOAD, first), exact_contacts(PAPER, roller_angles(PAPER, first)).compliance
     lifted = float(coupling[0, 1:n] @ loads.inner_force[1:] + coupling[n, n + 1 :] @ loads.outer_force[1:])
-    run = Run(crossing(PAPER, spall, hub + np.array([0.0, lifted]), ahead, beyond, CAGE), STEP)
-    run.settle()
+    run = crossing(PAPER, spall, hub + np.array([0.0, lifted]), ahead, beyond, STEP)
+    run.settle(CAGE)
     force, angle = np.empty((2, round((ahead + beyond) / (CAGE * RACEWAY) / STEP)))
     for k in range(len(force)):
         force[k] = np.hypot(*run.advance()[0])

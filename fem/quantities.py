@@ -114,9 +114,8 @@ def run_quantities(ideal: Kinematics | None, samples: Samples) -> list[Quantity]
     stands, turns both ways or less than once, pressures of balls and at edges, moments and tilts of rollers whose axes
     stay parallel. Pressures are among the samples."""
     time, first, hub = samples["time"], samples["inner_force"][0], from_outer_ring(samples, "inner")
-    loaded = float(np.count_nonzero(first > LOADED * first.max()))
-    values = (float(hub[0][0]), float(hub[1][0]), float(first.max()), loaded)
-    start = [Quantity(n, *about, value) for (n, about), value in zip(OF_START.items(), values, strict=True)]
+    values = hub[0][0], hub[1][0], first.max(), np.count_nonzero(first > LOADED * first.max())
+    start = [Quantity(n, *about, float(value)) for (n, about), value in zip(OF_START.items(), values, strict=True)]
     if len(time) < 2:
         return start
     rolled = turned = 0.0
@@ -176,14 +175,13 @@ def run_summary(bearing: Bearing, ideal: Kinematics | None, samples: Samples, *,
         return f"mean x {mean[0]:.4f} µm, y {mean[1]:.4f} µm; peak to peak {swing[0]:.4f} and {swing[1]:.4f} µm"
 
     time, orbited, is_caged = samples["time"], samples["roller_theta"].mean(axis=1), "cage_x" in samples
-    has_fit, has_housing = "outer_ring_x" in samples, "housing_x" in samples
-    moved = ", from the outer ring's centre" if has_housing or has_fit else ""
-    found = {"hub": path(*from_outer_ring(samples, "inner")) + moved}
-    if has_fit:
+    found = {"hub": path(*from_outer_ring(samples, "inner"))}
+    if "outer_ring_x" in samples:
         places = (samples[f"outer_ring_{axis}"] - samples.get(f"housing_{axis}", 0.0) for axis in "xy")
         found["outer ring"] = f"{path(*places)}, from its bore's"
-    if has_housing:
+    if "housing_x" in samples:
         found["housing"] = path(samples["housing_x"], samples["housing_y"])
+    found["hub"] += ", from the outer ring's centre" if len(found) > 1 else ""
     forces = (float(samples[f"{side}_force"].max(initial=0.0)) for side in ("inner", "outer"))
     found["largest loads"] = largest_loads(bearing, *forces, tilts=tilts)
     if (zone := load_zone(samples)) is not None:
@@ -196,12 +194,10 @@ def run_summary(bearing: Bearing, ideal: Kinematics | None, samples: Samples, *,
         turned = float(angle[-1] - angle[0])
         slower = round(100.0 * (1.0 - turned / (ideal.cage * seconds)), 9) + 0.0  # round-off is no slip
         found[whose] = f"{turned / seconds / tau:.4g} Hz"
-        if is_caged and abs(turned) >= tau:  # within one turn the difference means nothing
-            found[whose] += f", slip {slower:.2g} % of rolling"
-        elif abs(turned) >= tau:
-            way = "slower" if slower > 0.0 else "faster"
-            how = f"{abs(slower):.2g} % {way} than pure rolling (no cage: rollers coast)"
-            found[whose] += f", {how if slower else 'pure rolling'}"
+        way = "slower" if slower > 0.0 else "faster"
+        how = f"{abs(slower):.2g} % {way} than pure rolling (no cage: rollers coast)" if slower else "pure rolling"
+        if abs(turned) >= tau:  # within one turn the difference means nothing
+            found[whose] += f", slip {slower:.2g} % of rolling" if is_caged else f", {how}"
         lines = replace(ideal, cage=float(orbited[-1] - orbited[0]) / seconds).frequencies
         found["ball passes"] = f"outer ring (BPFO) {lines['BPFO']:.4g} Hz, inner ring (BPFI) {lines['BPFI']:.4g} Hz"
     if is_caged:
@@ -227,13 +223,10 @@ def cage_rows(samples: Samples, seconds: float) -> dict[str, str]:
 
 def largest_loads(bearing: Bearing, inner: float, outer: float, *, tilts: bool = False) -> str:
     """The largest force at each raceway, N, in words; unless rollers tilt each with its Hertz pressure."""
-    parts = []
-    for raceway, force in cast("tuple[tuple[Side, float], ...]", (("inner", float(inner)), ("outer", float(outer)))):
-        words = f"{force:.1f} N"
-        if isinstance(bearing, BallBearing):
-            words += f" ({1e-6 * ball_pressure(bearing, raceway, force):.0f} MPa)"
-        elif not tilts:
-            pair = contact_pairs(bearing)[0 if raceway == "inner" else 1]
-            words += f" ({1e-6 * pair.peak_pressure(force):.0f} MPa)"
-        parts.append(f"{words} at the {raceway} raceway")
+    parts, sides = [], cast("tuple[tuple[Side, float], ...]", (("inner", float(inner)), ("outer", float(outer))))
+    for (raceway, force), pair in zip(sides, contact_pairs(bearing), strict=False):
+        of_ball = ball_pressure(bearing, raceway, force) if isinstance(bearing, BallBearing) else None
+        pressure = pair.peak_pressure(force) if of_ball is None else of_ball
+        told = "" if tilts else f" ({1e-6 * pressure:.0f} MPa)"
+        parts.append(f"{force:.1f} N{told} at the {raceway} raceway")
     return ", ".join(parts)

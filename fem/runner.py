@@ -1,10 +1,9 @@
 """A run from a scene to a result file by whichever solver: checkpoints, signals, how it went, what is printed."""
 
 import time
-from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from fem.result.run_file import RunFile
 from fem.result.store import ResultFile, Stored, WriteFailed, bytes_of_a_sample, write_estimates
 from fem.solver.compiling import CompiledPlan, is_compiled, remember, seconds_by_trial
 from fem.solver.simulate import make_plan, run
-from fem.solver.solver import Plan, Progress, RunState
+from fem.solver.solver import Plan, RunState
 from lagrange.bearing import is_plain, section_words
 from lagrange.errors import RunFailed, UsageError
 from lagrange.files.output import remove_left
@@ -25,9 +24,6 @@ from lagrange.messages import Section, engineering, print_section, said_if_long,
 from lagrange.mounting import from_outer_ring
 from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from fem.solver.errors import ErrorEstimate
 
 CHECKPOINT_SECONDS = 10.0  # of wall time, unless given
 CHECKPOINT_SHARE = 0.005  # of the wall time at most, unless given: a slow disk gets checkpoints less often
@@ -80,7 +76,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
         return _ended(Outcome.FAILED_AT_START, reason=error)
     outcome, reason, last = Outcome.COMPLETE, None, checkpoint_path(path)
 
-    def left(in_place: bool) -> str:  # what a run that ends early leaves
+    def left(in_place):  # what a run that ends early leaves
         if not in_place:
             return f"{store.committed} samples were in {path}, which has been moved or removed; put it back and {GO_ON}"
         how = GO_ON if last.is_file() else "it can't be resumed, no checkpoint could be saved"
@@ -94,7 +90,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
             remove_left(last)
             checkpoints = Checkpoints(path, state, store, options.checkpoint_seconds)
 
-            def restart(reason: str) -> None:  # saved before its file restarts; what can't be gone on from is removed
+            def restart(reason):  # saved before its file restarts; what can't be gone on from is removed
                 if not options.quiet:
                     say(reason)
                 if not checkpoints.write(Stored()):
@@ -104,7 +100,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
             try:
                 with progress_display(plan, options.quiet) as show:
 
-                    def watch(progress: Progress) -> None:
+                    def watch(progress):
                         with suppress(OSError):  # a terminal that has gone is no reason to stop
                             show(progress)
                         checkpoints.save_if_due()
@@ -159,7 +155,7 @@ class Checkpoints:
             return False
 
 
-def _estimate(estimate: "ErrorEstimate", path: Path, quiet: bool) -> Outcome:
+def _estimate(estimate, path, quiet):
     """Run the coarser plan beside a finished run and write what its result may be off by."""
     with stop_signals() as stopped:
         try:
@@ -183,7 +179,7 @@ def _estimate(estimate: "ErrorEstimate", path: Path, quiet: bool) -> Outcome:
     return Outcome.COMPLETE
 
 
-def _ended(outcome: Outcome, **facts: object) -> Outcome:
+def _ended(outcome, **facts):
     if outcome.sentence:
         say(outcome.sentence.format(**facts))
     return outcome
@@ -192,7 +188,7 @@ def _ended(outcome: Outcome, **facts: object) -> Outcome:
 # what is printed
 
 
-def _print(lines: Iterable[str]) -> None:
+def _print(lines):
     from rich.console import Console  # quiet runs do without
 
     for line in lines:
@@ -244,10 +240,10 @@ def show_plan(scene: Scene, name: str) -> Outcome:
     return Outcome.COMPLETE
 
 
-def _of_the_bearing(scene: Scene) -> dict[str, str]:  # what the scene alone decides and its file does not say
+def _of_the_bearing(scene):  # what the scene alone decides and its file does not say
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
 
-    def lines(*speeds: float) -> str:
+    def lines(*speeds):
         found = kinematics(bearing, *speeds).frequencies
         return ", ".join(f"{name} {value:.4g} Hz" for name, value in found.items())
 
@@ -278,7 +274,7 @@ def _of_the_bearing(scene: Scene) -> dict[str, str]:  # what the scene alone dec
     return rows
 
 
-def _print_choices(plan: Plan, seconds: float | None) -> None:
+def _print_choices(plan, seconds):
     """What each model takes for the scene, what it errs by and leaves out; what to begin with.
     `seconds` : that the plan's own takes, as far as it has been tried"""
     from fem.solver.errors import model_choices, suggestion  # only a dry run needs what these import
@@ -316,12 +312,22 @@ def show_meshes(scene: Scene, name: str) -> None:
         print_section(Section(title=f"Statics of {name} by mesh", columns=columns, rows=rows), left=())
 
 
-def _print_run(state: RunState, path: Path) -> None:
+def _print_run(state, path):
     """Print the bearing's quantities from a run's file, and the file's place."""
     plan, progress, samples, scene = state.plan, state.progress, RunFile(path), state.plan.scene
     bearing = scene.ideal_bearing()
-    if plan.n_samples == 1:
-        lines = _static_lines(scene, samples)
+    if plan.n_samples == 1:  # places and forces of an equilibrium, and the speed of the centrifugal force in it
+        inner, outer = (speed / RPM for speed in scene.ideal_operation().ring_speeds)
+        speed = f" at {inner:g} rpm" + (f", outer ring {outer:g} rpm" if outer else "") + ", with centrifugal force"
+        x, y = (round(1e6 * place[0], 4) + 0.0 for place in from_outer_ring(samples, "inner"))
+        hub = f"Static equilibrium{speed if inner or outer else ' at rest'}: hub x {x:.4f} µm, y {y:.4f} µm"
+        moved = [body for body in ("outer_ring", "housing") if f"{body}_y" in samples]
+        hub += ", from the outer ring's centre" if moved else ""
+        for body in moved:
+            place = ", ".join(f"{axis} {1e6 * samples[f'{body}_{axis}'][0]:.4f} µm" for axis in "xy")
+            hub += f"; {body.replace('_', ' ')} {place}"
+        loaded = sorted(samples["inner_force"][0][samples["inner_force"][0] > 0.0], reverse=True)
+        lines = [hub, f"Loaded rollers: {', '.join(f'{value:.1f}' for value in loaded) or 'none'} N"]
     else:
         ideal = mean_kinematics(bearing, scene.ideal_operation(), progress.simulated)
         found = run_summary(bearing, ideal, samples, tilts=scene.axial is not None)
@@ -336,19 +342,3 @@ def _print_run(state: RunState, path: Path) -> None:
         lines.append(f"{'defaults:':14s} {scene.assumed}")
     lines += [f"Warning: {sentence}" for sentence in state.warnings]  # the plan's stand at the start
     _print([*lines, f"Result: {shown(path)}"])
-
-
-def _static_lines(scene: Scene, samples: Mapping[str, np.ndarray]) -> list[str]:
-    """Places and forces of an equilibrium, and the speed at which rollers' centrifugal force acts in it."""
-    inner, outer = (speed / RPM for speed in scene.ideal_operation().ring_speeds)
-    speed = f" at {inner:g} rpm" + (f", outer ring {outer:g} rpm" if outer else "") + ", with centrifugal force"
-    x, y = (round(1e6 * place[0], 4) + 0.0 for place in from_outer_ring(samples, "inner"))
-    hub = f"Static equilibrium{speed if inner or outer else ' at rest'}: hub x {x:.4f} µm, y {y:.4f} µm"
-    moved = [body for body in ("outer_ring", "housing") if f"{body}_y" in samples]
-    hub += ", from the outer ring's centre" if moved else ""
-    for body in moved:
-        place = ", ".join(f"{axis} {1e6 * samples[f'{body}_{axis}'][0]:.4f} µm" for axis in "xy")
-        hub += f"; {body.replace('_', ' ')} {place}"
-    force = samples["inner_force"][0]
-    forces = ", ".join(f"{value:.1f}" for value in sorted(force[force > 0.0], reverse=True))
-    return [hub, f"Loaded rollers: {forces or 'none'} N"]

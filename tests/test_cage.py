@@ -260,14 +260,14 @@ GUIDED = {"guidance": "inner_ring", "guidance_clearance": 40e-6}
     (30e-6, {}, SHIFTED, 0.0 * SHIFT, 0.5 * SHIFT),  # wedged, within its limit
 ], ids=["in the middle", "where rollers leave most room", "with the ring that guides it", "wedged"])  # fmt: skip
 def test_where_a_cage_stands(pocket, guide, places, hub, wanted):
-    found = cage_seat(PAPER, cage_of(pocket_clearance=pocket, **guide), ANGLE, places, hub, 1010.0)
+    found = cage_seat(PAPER, cage_of(pocket_clearance=pocket, **guide), ANGLE, np.concatenate([hub, places]), 1010.0)
     within(found, wanted, 1e-8)
 
 
 def test_a_cage_that_rollers_would_wedge_harder_than_raceways_load_them_is_refused_with_what_to_do():
     """On the circle of radius 25 µm they are 10 µm beyond pockets of 15 µm."""
     with pytest.raises(UsageError, match=r"pocket_clearance_mm = 0\.03.*by 10 µm, which takes 1e\+03 N.*clearance"):
-        cage_seat(PAPER, cage_of(pocket_clearance=30e-6), ANGLE, SHIFTED, 0.0 * SHIFT, 990.0)
+        cage_seat(PAPER, cage_of(pocket_clearance=30e-6), ANGLE, np.concatenate([0.0 * SHIFT, SHIFTED]), 990.0)
     tables = {
         "model": "reduced", "material": {"outer_ring": {"youngs_modulus_GPa": 10.0}},
         "cage": {"guidance": "rollers", "pocket_clearance_mm": 0.005, "stiffness_N_per_m": 1e9},

@@ -89,12 +89,24 @@ def _render(
     from fem.pictures import output as exports
     from fem.pictures.recover import StoredRun
 
-    stored = StoredRun(run if run is not None else _newest())
+    if run is None:
+        runs = sorted(RUNS.glob("*.nc"), key=lambda path: path.stat().st_mtime)
+        if not runs:
+            raise UsageError(f"no *.nc in {RUNS.resolve()}; run run-fem first, or name a result file")
+        run = runs[-1]
+    stored = StoredRun(run)
     target = output or animation or export or stored.path.with_suffix(".png")
     exports.refuse_foreign(target, force)
     done = f"Picture: {target}"
     if kind in SIGNALS:
-        done = _signals(stored, target)
+        from fem.result.run_file import accelerations, write_accelerations
+
+        found, rate = accelerations(stored.scene, stored.from_housing), stored.scene.output.acceleration_Hz
+        try:
+            write_accelerations(target, rate, found)
+        except OSError as error:
+            raise UsageError(f"--export {target}: can't be written: {error.strerror or error}") from None
+        done = f"Accelerations: {target} ({', '.join(found)} at {rate} Hz)"
     else:
         samples = [stored.nearest(None if time is None else 1e-3 * time)]
         if many:
@@ -139,7 +151,7 @@ def _render(
     return 0
 
 
-def _check_targets(output: Path | None, animation: Path | None, export: Path | None) -> None:
+def _check_targets(output, animation, export):
     """Whether what a file's name ends in can be written, before anything is computed; a run is never drawn over."""
     given = [(f"--{name} {path}", path) for name, path in
              (("output", output), ("animation", animation), ("export", export)) if path is not None]  # fmt: skip
@@ -162,14 +174,7 @@ def _check_targets(output: Path | None, animation: Path | None, export: Path | N
             )
 
 
-def _newest() -> Path:
-    found = sorted(RUNS.glob("*.nc"), key=lambda path: path.stat().st_mtime)
-    if not found:
-        raise UsageError(f"no *.nc in {RUNS.resolve()}; run run-fem first, or name a result file")
-    return found[-1]
-
-
-def _samples(stored, start: float | None, stop: float | None, frames: int | None) -> list[int]:
+def _samples(stored, start, stop, frames):
     """Those of a film: in a span, evenly spaced, or those whose fields are stored."""
     import numpy as np
 
@@ -184,17 +189,6 @@ def _samples(stored, start: float | None, stop: float | None, frames: int | None
     if frames is None and len(kept) > 1:
         return kept.tolist()
     return np.unique(np.linspace(first, last, frames or FRAMES).round().astype(int)).tolist()
-
-
-def _signals(stored, target: Path) -> str:
-    from fem.result.run_file import accelerations, write_accelerations
-
-    found, rate = accelerations(stored.scene, stored.from_housing), stored.scene.output.acceleration_Hz
-    try:
-        write_accelerations(target, rate, found)
-    except OSError as error:
-        raise UsageError(f"--export {target}: can't be written: {error.strerror or error}") from None
-    return f"Accelerations: {target} ({', '.join(found)} at {rate} Hz)"
 
 
 render_main = partial(run_app_main, render_app)

@@ -93,7 +93,7 @@ def _run(
     return run_scene(chosen, path, options).code
 
 
-def _write_example(name: str, path: Path | None, force: bool) -> int:
+def _write_example(name, path, force):
     from fem.examples import write_example
     from lagrange.messages import shown
 
@@ -152,7 +152,7 @@ def _live(scene: Path | None = None, /, *, bearing: str | None = None, set: list
     from fem.live.player import Player
     from fem.live.server import LiveServer
 
-    def announce(address: str) -> None:
+    def announce(address):
         with telling():
             print(f"Live: {address}\nCtrl-C ends it.")
 

@@ -3,7 +3,7 @@
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import Parameter
 
@@ -11,10 +11,6 @@ from fem.commands.start_up import Outcome, count_display, need, run_app_main, st
 from lagrange.commands import new_app
 from lagrange.errors import UsageError
 from lagrange.messages import say, shown, telling
-
-if TYPE_CHECKING:
-    from fem.study.folder import Folder
-    from fem.study.solving import Points, Solved, StudyOptions
 
 STUDIES = Path("studies")
 MOST_WORKERS = 4096
@@ -91,7 +87,7 @@ def _study(
     return _solve(points, folder, options)
 
 
-def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
+def _solve(points, folder, options):
     from fem.study.solving import LOST, Cluster, Processes, Solver, Wanted, expected, scheduler_client, solve_all
 
     pending, lost = folder.pending(points), {}
@@ -105,16 +101,16 @@ def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
             count_display("points", len(pending), options.quiet) as count,
         ):
 
-            def stop() -> bool:
+            def stop():
                 return bool(stopped)
 
-            def add(i: int, solved: "Solved") -> None:
+            def add(i, solved):
                 folder.add(points.digests[i], solved)
                 if solved.status == LOST:
                     lost[i] = solved
                 count()
 
-            solver: Solver = Processes(processes, wanted) if processes else Solver(wanted, stop)
+            solver = Processes(processes, wanted) if processes else Solver(wanted, stop)
             if client is not None:
                 solver = Cluster(client, wanted)
             solve_all(solver, ((i, points.scene(i)) for i in pending), add, stop)
@@ -132,7 +128,7 @@ def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
     return 1 if lost else code
 
 
-def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:  # dataset and page of the points that are done
+def _collect(points, folder, quiet):  # dataset and page of the points that are done
     from fem.study.folder import MISSING, write_dataset
     from fem.study.page import outcome_lines, write_page
     from fem.study.solving import COMPLETE
@@ -151,7 +147,7 @@ def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:  # dataset
     return 0 if is_complete else 1
 
 
-def _print(lines: list[str]) -> None:
+def _print(lines):
     with telling():
         for line in lines:
             print(shown(line))

@@ -70,7 +70,7 @@ class Outcome(Enum):
         return cls[f"{of}TERMINATED" if signals[0] == signal.SIGTERM else f"{of}INTERRUPTED"]
 
 
-def _check_environment() -> None:  # refuse settings with which the time loops can't be loaded
+def _check_environment():  # refuse settings with which the time loops can't be loaded
     threads = os.environ.get("NUMBA_NUM_THREADS")
     if threads is not None and not (threads.isascii() and threads.isdigit() and 1 <= int(threads[:9]) <= MOST_THREADS):
         raise UsageError(f"NUMBA_NUM_THREADS = {threads}: must be a whole number from 1 to {MOST_THREADS}; or unset it")
@@ -90,7 +90,7 @@ def progress_display(plan: "Plan", quiet: bool) -> "Iterator[Callable[[Progress]
     total = 1e3 * (plan.n_samples - 1) * plan.interval
     with _display(plan.n_samples, quiet or plan.n_samples == 1) as show:
 
-        def report(progress: "Progress") -> None:
+        def report(progress):
             pace = f"{progress.speed:,.0f} steps/s, energy imbalance {progress.imbalance:+.1e}"
             show(progress.samples, f"{1e3 * progress.simulated:.2f} of {total:.2f} ms, {pace}")
 
@@ -103,7 +103,7 @@ def count_display(what: str, total: int, quiet: bool) -> Iterator[Callable[[], N
     done = 0
     with _display(total, quiet) as show:
 
-        def count() -> None:
+        def count():
             nonlocal done
             done += 1
             show(done, f"{what}: {done} of {total}")
@@ -112,7 +112,7 @@ def count_display(what: str, total: int, quiet: bool) -> Iterator[Callable[[], N
 
 
 @contextmanager
-def _display(total: int, quiet: bool) -> Iterator[Callable[[int, str], None]]:
+def _display(total, quiet):
     """Gives what to call with how many of `total` steps are done, and words on them: a live bar on a terminal, a plain
     line now and then elsewhere."""
     if quiet:
@@ -129,7 +129,7 @@ def _display(total: int, quiet: bool) -> Iterator[Callable[[int, str], None]]:
         began, first = time.monotonic(), None  # a resumed run begins with samples
         last = began
 
-        def show(done: int, words: str) -> None:
+        def show(done, words):
             nonlocal last, first
             first = done if first is None else min(first, done)
             if (now := time.monotonic()) - last > PLAIN_SECONDS:

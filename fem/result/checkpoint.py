@@ -130,7 +130,7 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
     return state, stored
 
 
-def _check(meta: dict, plan: Plan) -> None:
+def _check(meta, plan):
     """Refuse a state that would not go on as it began. Another duration is welcome."""
     if meta["format"] != FORMAT:
         raise UsageError(f"of format {meta['format']!r}, this program has {FORMAT}; start again")

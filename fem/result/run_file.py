@@ -11,7 +11,7 @@ import zlib
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
@@ -48,12 +48,12 @@ class RunFile(Mapping[str, np.ndarray]):
         if np.any(np.diff(self["time"]) <= 0.0):
             raise UsageError(f"{path}: damaged: time does not rise")
 
-    def _facts(self, file: h5py.File) -> tuple[int, str, dict[str, str], dict[str, Any]]:
+    def _facts(self, file):
         if (count := int(file.attrs["committed_samples"])) < 1:
             raise Damaged("it holds no sample yet")
         return count, hdf5.read_scene_text(file), hdf5.read_scene_files(file), dict(file.attrs)
 
-    def _check(self, file: h5py.File) -> tuple[tuple[str, ...], np.ndarray]:
+    def _check(self, file):
         """Names of its columns and samples of its frames, once all have the shapes that its scene asks for."""
         variables, rollers = columns_of("", *self.scene.parts), self.scene.bearing.present
         names = tuple(name for name in variables if name in NEEDED or hdf5.has(file, name))
@@ -91,7 +91,7 @@ class RunFile(Mapping[str, np.ndarray]):
         """The fields of one instant, of rings turned so far, rad."""
         return self._read(lambda file: read_frame(file, model, index, turns))
 
-    def _read(self, what: Callable[[h5py.File], Any]) -> Any:
+    def _read(self, what):
         """Something of the open file; every way it can be unusable becomes a UsageError."""
         try:
             with h5py.File(self.path, "r", locking=False) as file:
@@ -121,7 +121,7 @@ FRAME = {  # what a frame writes: dimensions after time, type, unit, meaning, wh
 }  # fmt: skip
 
 
-def _sizes(model: "Model") -> dict[str, int]:
+def _sizes(model):
     nodes = {f"{body}_node": len(getattr(model, body).points) for body in BODIES}
     return {"component": 2, "stress_component": 3, ROLLER: model.bearing.n_rollers, **nodes}
 
@@ -162,7 +162,7 @@ def stored_values(model: "Model", frame: Frame) -> dict[str, bytes]:
     return {f"{GROUP}/{name}": value.tobytes() for name, value in values.items()}
 
 
-def _checksum(values: dict[str, np.ndarray]) -> int:
+def _checksum(values):
     return zlib.crc32(b"".join(values[name].tobytes() for name in sorted(values)))
 
 

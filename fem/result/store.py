@@ -19,7 +19,7 @@ import os
 import re
 import shutil
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import asdict
 from functools import wraps
@@ -129,7 +129,7 @@ def alone_in(folder: Path, wait: bool = True) -> Iterator[None]:
         os.close(handle)
 
 
-def _locked(handle: int, how: int) -> bool:
+def _locked(handle, how):
     """Lock a file or folder; False where another has locked it. True on file systems without locks."""
     with suppress(OSError):
         try:
@@ -139,7 +139,7 @@ def _locked(handle: int, how: int) -> bool:
     return True
 
 
-def _open_locked(path: Path) -> int:
+def _open_locked(path):
     """Open a file to write it, where others may read it but see by its lock that it is in use; the handle."""
     handle = os.open(path, os.O_RDWR | BINARY)
     if fcntl is not None:
@@ -155,7 +155,7 @@ def write_at(handle: int, data: bytes, place: int) -> None:
         view = view[os.write(handle, view) :]
 
 
-def _claim(path: Path, size: int | None = None) -> None:
+def _claim(path, size=None):
     """Reserve bytes of a file, None: all it has, so that writing them later can't fail for want of room."""
     with open(path, "r+b") as file:
         size = os.fstat(file.fileno()).st_size if size is None else size
@@ -187,7 +187,7 @@ class WriteFailed(OSError):
     """The result file can't be written any more; what it has committed stays."""
 
 
-def _naming_the_file(method: Callable) -> Callable:  # writeFailed with the file's name, when the disk fails
+def _naming_the_file(method):  # writeFailed with the file's name, when the disk fails
     @wraps(method)
     def named(self, *arguments, **options):
         try:
@@ -235,7 +235,7 @@ class ResultFile(AbstractContextManager):
             self._check_place(resume)
             self._begin(plan.n_samples, resume or Stored())
 
-    def _check_place(self, resume: Stored | None) -> None:
+    def _check_place(self, resume):
         """Refuse what is open elsewhere or no plain file, what can't have been a result, as the scene itself, and to go
         on with a file that does not hold the samples of the variables, and the frames, that were stored. UsageError."""
         path, start, other = self.path, b"", "name another with --output"
@@ -265,7 +265,7 @@ class ResultFile(AbstractContextManager):
             raise UsageError(f"{path}: can't be resumed ({error}); start again without --resume") from None
 
     @_naming_the_file
-    def _begin(self, capacity: int, stored: Stored) -> None:
+    def _begin(self, capacity, stored):
         """Put a new file with the samples stored in the earlier one in its place, and go on with it.
 
         While the files change places neither is open, as not every system allows that."""
@@ -298,7 +298,7 @@ class ResultFile(AbstractContextManager):
         self.committed = stored.samples  # on the disk
         self._committed_at, self._commit_cost = time.monotonic(), 0.0
 
-    def _lay_out(self, path: Path, capacity: int) -> Places:
+    def _lay_out(self, path, capacity):
         """A new file with room for so many samples, times NaN until they are written; with events where they are known.
         OSError: the disk has not enough room."""
         scene, variables = self._plan.scene, self._variables
@@ -338,7 +338,7 @@ class ResultFile(AbstractContextManager):
         checksum = {name: marks[number] for number, name in enumerate(variables, start=1)}
         return Places(start, width, checksum, marks[0], of_frames)
 
-    def _write_events(self, file: h5py.File) -> None:
+    def _write_events(self, file):
         """The group `events`, one row an event; its attribute `spalls` tells what they are, SI."""
         if self._events is None:
             return
@@ -349,7 +349,7 @@ class ResultFile(AbstractContextManager):
             values = np.array([getattr(event, name) for event in self._events], dtype=kind)
             hdf5.variable(group, name, values, ("event",), unit, meaning)
 
-    def _copy(self, handle: int, places: Places, count: int) -> dict[str, int]:
+    def _copy(self, handle, places, count):
         """Copy the first samples of the file in place; gives the checksums of what was copied."""
         checksums = dict.fromkeys(self._variables, 0)
         with h5py.File(self.path, "r", locking=False) as earlier:
@@ -366,7 +366,7 @@ class ResultFile(AbstractContextManager):
                     write_at(handle, frames[index].tobytes(), places.start[name] + index * width)
         return checksums
 
-    def _frames(self, samples: int) -> int:  # how many frames belong to so many samples
+    def _frames(self, samples):  # how many frames belong to so many samples
         stride = self._plan.frame_stride
         return -(-samples // stride) if stride else 0
 
@@ -452,11 +452,11 @@ class ResultFile(AbstractContextManager):
         self.close()
 
 
-def _doubles(values: np.ndarray) -> bytes:
+def _doubles(values):
     return np.ascontiguousarray(values, dtype="<f8").tobytes()
 
 
-def _integers(*values: int) -> bytes:
+def _integers(*values):
     return np.array(values, dtype="<i8").tobytes()
 
 

@@ -13,15 +13,17 @@ import json
 import os
 import re
 import time
-from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
 from statistics import median
 
+import numpy as np
+
 from fem.kernels import kernel_folder
+from fem.quantities import largest_loads
 from fem.solver.simulate import LARGEST_BLOCK
-from fem.solver.solver import Plan, RunState
+from fem.solver.solver import Plan
 from lagrange.errors import RunFailed
 from lagrange.files.input import read_plain, user_cache
 from lagrange.files.output import write_whole
@@ -57,10 +59,8 @@ def pace(model: str) -> float:
 
 def in_words(model: str, seconds: float) -> str:
     """A time to expect, and whether a run of the model has been timed here."""
-    timed = _read().get(_key(model))
-    return f"about {seconds:.2g} s" + (
-        "" if timed else ", perhaps three times that: no run has been timed on this machine yet"
-    )
+    unsure = ", perhaps three times that: no run has been timed on this machine yet"
+    return f"about {seconds:.2g} s{'' if _read().get(_key(model)) else unsure}"
 
 
 def remember(model: str, expected: float, took: float) -> None:
@@ -76,7 +76,7 @@ def remember(model: str, expected: float, took: float) -> None:
         write_whole(pace_file(), json.dumps(known).encode())
 
 
-def _read() -> dict[str, list[float]]:
+def _read():
     try:
         known = json.loads(read_plain(pace_file())).items()
         return {str(key): [ratio for ratio in map(float, found) if 0.0 < ratio < LARGEST] for key, found in known}
@@ -84,7 +84,7 @@ def _read() -> dict[str, list[float]]:
         return {}
 
 
-def _key(model: str) -> str:
+def _key(model):
     return f"{model} on {processor()['processor']}, its own time"
 
 
@@ -93,7 +93,7 @@ CAUSE = re.compile(r"No implementation|Unknown attribute|Untyped global|Cannot |
 COMPILING = "compiling the time loop, once for such bodies and contacts: "
 
 
-def _cause(error: Exception) -> str:
+def _cause(error):
     """What numba can't compile, and where, of the thousand lines in which it says so: the innermost ones."""
     lines = [line for line in re.sub(r"\x1b\[\d*m", "", str(error)).splitlines() if line.strip()]
     inner = max(len(line) - len(line.lstrip()) for line in lines if CAUSE.search(line))
@@ -110,13 +110,18 @@ class CompiledPlan(Plan):
 
     pressed_energy = property(lambda self: 0.0)  # What a press fit stores, J, and no motion can take out again
 
+    def time_and_forces(self, inner: np.ndarray, outer: np.ndarray) -> dict[str, str]:
+        """What --dry-run shows of the time to expect and the static forces, N, of both raceways' contacts."""
+        found = largest_loads(self.bearing, inner.max(), outer.max(), tilts=self.scene.axial is not None)
+        return {"expected time": in_words(self.scene.model, self.expected_seconds), "largest static forces": found}
+
     @property
     def compiling(self) -> str:
         """How long the compiler will take, in words."""
         key = f"compiling {self.scene.model}"
         return in_words(key, self.compiling_seconds * pace(key))
 
-    def prepare(self, tell: Callable[[str], None] | None = None) -> RunState:
+    def prepare(self, tell=None):
         """Compile the time loop, or load it compiled, without taking a step."""
         from fem.kernels.numba_private import TypingError, install_recorder
 
@@ -139,7 +144,7 @@ class CompiledPlan(Plan):
 
     notices = property(lambda self: tuple(kernel_folder.notices))
 
-    def versions(self) -> dict[str, str]:
+    def versions(self):
         return {"kernels": kernel_folder.version(), "numba": version("numba"), **processor()}
 
 
@@ -152,7 +157,7 @@ class _Needed(RunFailed):
 
 
 @contextmanager
-def _nothing_compiled() -> Iterator[None]:
+def _nothing_compiled():
     """_Needed: what begins to compile is stopped."""
     from fem.kernels.numba_private import Listener, install_listener
 

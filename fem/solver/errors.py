@@ -43,7 +43,7 @@ class Estimate:
         return self.error / abs(self.quantity.value) if self.quantity.value else float("inf")
 
 
-def _refuse_comparisons(scene: Scene, option: str) -> None:
+def _refuse_comparisons(scene, option):
     if scene.contact.model in COMPARISONS:
         raise UsageError(
             f"{option}: contact.model = '{scene.contact.model}' is there for comparison only and has no order of "
@@ -65,7 +65,7 @@ def coarser_scene(scene: Scene) -> Scene:
             f"--estimate-error compares with a coarser mesh, and numerics.mesh_size_mm = {size:g} leaves none; at most "
             f"{coarsest / LEAST_COARSER:.3g}"
         )
-    return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"mesh_size_mm": coarser})})
+    return scene.varied({"numerics.mesh_size_mm": coarser})
 
 
 def estimates(fine: list[Quantity], coarse: list[Quantity], ratio: float | None) -> list[Estimate]:
@@ -161,7 +161,7 @@ class MeshTable:
     """Meshes from coarse to fine."""
 
     meshes: tuple[Mesh, ...]
-    exact: tuple[float | None, ...]  # by the quantities, of the series; None: it has no such solution
+    exact: tuple[float | None, ...]  # by the quantities, of the series, rollers without weight; None: they do not hold
 
     @property
     def extrapolated(self) -> tuple[float, ...]:
@@ -187,28 +187,22 @@ def mesh_table(scene: Scene) -> MeshTable:
         raise UsageError("--converge: compares plane sections at rest; leave [axial] out")
     size = scene.numerics.mesh_size_mm
     finest = size if MESHES[0] * size <= 0.1 * pi * scene.bearing.roller_diameter_mm else size / MESHES[0]
-    pair = contact_pairs(scene.perfect_bearing())[0]
-    meshes = []
+    bearing, operation, meshes = scene.perfect_bearing(), scene.ideal_operation(), []
+    pair = contact_pairs(bearing)[0]
     for each in (finest * factor for factor in MESHES):
         plan = make_plan(scene.varied({"model": "fem", "numerics.mesh_size_mm": each}))
-        found = {quantity.name: quantity for quantity in static_quantities(plan.model, scene.ideal_operation())}
+        found = {quantity.name: quantity for quantity in static_quantities(plan.model, operation)}
         force = found["static_largest_force"]
         pressure = Quantity("static_peak_pressure", "Pa", "largest Hertz pressure, inner raceway, at rest",
                             pair.peak_pressure(force.value))  # fmt: skip
         meshes.append(Mesh(size=each, nodes=plan.mesh_nodes, quantities=(found["static_hub_y"], force, pressure)))
-    return MeshTable(meshes=tuple(meshes), exact=_exact(scene))
-
-
-def _exact(scene: Scene) -> tuple[float | None, ...]:
-    """By the series, rollers without weight; None where they do not hold."""
-    bearing, operation = scene.perfect_bearing(), scene.ideal_operation()
     rigid = any(material.rigid for material in (bearing.roller, bearing.inner_ring, bearing.outer_ring))
     if scene.has_faults or rigid or operation.mounting != HELD or operation.side_load or scene.lubricant is not None:
-        return None, None, None
+        return MeshTable(meshes=tuple(meshes), exact=(None, None, None))
     load = float(operation.radial_load) + operation.inner_mass * operation.gravity
-    found = exact_statics(bearing, load, operation.first_roller_angle)
-    force = float(found.inner_force.max())
-    return float(found.hub[1]), force, contact_pairs(bearing)[0].peak_pressure(force)
+    still = exact_statics(bearing, load, operation.first_roller_angle)
+    exact = float(still.hub[1]), float(still.inner_force.max()), pair.peak_pressure(float(still.inner_force.max()))
+    return MeshTable(meshes=tuple(meshes), exact=exact)
 
 
 MOST_COMPARED = 100_000  # nodes of meshes that are made only to compare models with: some seconds

@@ -242,7 +242,7 @@ class Judge:
                 f"small approach (at most {1e3 * most:.3g} mm here): places and forces near such contacts are not to "
                 "be trusted; take a stiffer contact law or a lighter load"
             )
-        return (*(sentence for sentence in found if sentence), *wide)
+        return (*filter(None, found), *wide)
 
 
 NARROW_CONTACT = 0.03  # half-width over the roller's radius: below, laws err by some thousandths of the approach

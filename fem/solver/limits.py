@@ -205,14 +205,14 @@ USUAL_TIME_US = 12.5  # of a contact's damping over its stiffness, as ROSS takes
 
 
 def plan_warnings(
-    scene: Scene, model: "Model", operation: Operation, equilibrium: "Equilibrium", interval: float
+    scene: Scene, model: "Model", operation: Operation, equilibrium: "Equilibrium", interval: float, start: str | None
 ) -> tuple[str, ...]:
-    """Sentences; none where all is well. `interval` between samples, s."""
+    """Sentences; none where all is well. `interval` between samples, s; `start` : what a start is warned of."""
     found = (
         RIGID_CORE if scene.model == "fem" and model.bearing.bore_radius == 0.0 else None, _yield(model, equilibrium),
         _sampling(model.bearing, operation, equilibrium, interval), _edges(model, equilibrium),
     )  # fmt: skip
-    return (*(sentence for sentence in found if sentence), *of_scene(scene, model.bearing, operation, interval))
+    return tuple(filter(None, (*found, *of_scene(scene, model.bearing, operation, interval), start)))
 
 
 def of_scene(scene: Scene, bearing: Bearing, operation: Operation, interval: float) -> tuple[str, ...]:
@@ -240,10 +240,10 @@ def of_scene(scene: Scene, bearing: Bearing, operation: Operation, interval: flo
             "diameter; group C5 of ISO 5753-1 has at most 4 %; is bearing.clearance_um in µm?"
         )
     found += [_light(scene, bearing, operation), speed_warning(bearing, operation.fastest / RPM)]
-    return tuple(sentence for sentence in found if sentence)
+    return tuple(filter(None, found))
 
 
-def _light(scene: Scene, bearing: Bearing, operation: Operation) -> str | None:
+def _light(scene, bearing, operation):
     acting = scene.operation
     if acting.radial_load_N == 0.0 or bearing.radial_clearance < 0.0 or operation.history is not None:
         return None
@@ -259,7 +259,7 @@ def _light(scene: Scene, bearing: Bearing, operation: Operation) -> str | None:
     )
 
 
-def _undamped(scene: Scene, operation: Operation) -> str | None:
+def _undamped(scene, operation):
     """Vibration that is excited again and again, and that nothing but friction takes energy from."""
     housing = operation.mounting.housing
     excited = {
@@ -277,11 +277,10 @@ def _undamped(scene: Scene, operation: Operation) -> str | None:
     )
 
 
-def _yield(model: "Model", equilibrium: "Equilibrium") -> str | None:
+def _yield(model, equilibrium):
     """The model is elastic at any pressure; steel is not."""
     pressed = (model.inner_law.pair, equilibrium.inner_force), (model.outer_law.pair, equilibrium.outer_force)
-    found = ((pair, float(forces.max())) for pair, forces in pressed)
-    worst, name, force = max((pair.peak_pressure(force), pair.kind, force) for pair, force in found)
+    worst, name, force = max((pair.peak_pressure(float(f.max())), pair.kind, f.max()) for pair, f in pressed)
     if worst <= ISO_76_PRESSURE:
         return None
     return (
@@ -291,7 +290,7 @@ def _yield(model: "Model", equilibrium: "Equilibrium") -> str | None:
     )
 
 
-def _sampling(bearing: Bearing, operation: Operation, equilibrium: "Equilibrium", interval: float) -> str | None:
+def _sampling(bearing, operation, equilibrium, interval):
     laws = contact_laws("johnson", bearing)
     pressed = (laws.inner, equilibrium.inner_force), (laws.outer, equilibrium.outer_force)
     inner, outer = (law.slope(law.approach(forces)) for law, forces in pressed)
@@ -307,13 +306,13 @@ def _sampling(bearing: Bearing, operation: Operation, equilibrium: "Equilibrium"
     )
 
 
-def _edges(model: "Model", equilibrium: "Equilibrium") -> str | None:
+def _edges(model, equilibrium):
     """An edge that carries a contact has a far higher pressure than the raceway; the model stays elastic."""
     inner, outer = float(equilibrium.inner_force.max()), float(equilibrium.outer_force.max())
     on_body = {"inner_ring": inner, "outer_ring": outer, "roller": max(inner, outer)}
     spalls = [fault for fault in model.bearing.faults if isinstance(fault, Spall) and on_body[fault.body] > 0.0]
 
-    def pressure_on(spall: Spall) -> float:
+    def pressure_on(spall):
         if spall.edge_radius == 0.0:
             return inf
         pair = replace(model.inner_law.pair, radii=(spall.edge_radius, model.bearing.roller_radius))

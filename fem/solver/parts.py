@@ -26,7 +26,7 @@ from lagrange.errors import UsageError
 from lagrange.kinematics import kinematics
 from lagrange.motion import Tilts, hub_axial_inertia, hub_tilt, roller_inertias
 from lagrange.mounting import Mounting
-from lagrange.surface.deviation import Profile, profiles
+from lagrange.surface.deviation import profiles
 
 
 def filled(kind: type, sizes: dict[str, int], *sources: object, **values: Any) -> Any:
@@ -82,7 +82,7 @@ def history_arrays(
     if found is None:
         return None
 
-    def turning(spline) -> dict[str, np.ndarray]:
+    def turning(spline):
         work = np.array([0.0, np.nan, 0.0])
         return {"turn_knots": spline.x.copy(), "turn": np.ascontiguousarray(spline.c[::-1].T), "drive_work": work}
 
@@ -121,7 +121,7 @@ def surfaces_of(bearing: Bearing, columns: int, of_part: bool = False) -> PartPr
     return PartProfiles(on_rings, on_rollers)
 
 
-def _splines(profile: Profile | None) -> tuple[np.ndarray, np.ndarray]:
+def _splines(profile):
     """Sinkage, m, and compliance, m/N, of a profile, or of none: coefficients by row."""
     sinkage = np.zeros((1, WIDTH)) if profile is None else profile.coefficients
     soft = None if profile is None else profile.compliance
@@ -144,24 +144,22 @@ def time_along_a_knot(bearing: Bearing, ideal: Kinematics, spalls: bool = True) 
 FINEST = 1e-4  # µm: a place is found to so much
 
 
-def cage_seat(
-    bearing: Bearing, cage: Cage | None, angle: np.ndarray, rho: np.ndarray, hub: np.ndarray, force: float
-) -> np.ndarray:
+def cage_seat(bearing: Bearing, cage: Cage | None, angle: np.ndarray, found: np.ndarray, force: float) -> np.ndarray:
     """The centre of a cage, (2,), m, from the outer ring's: there, or if it does not fit, where it is least wedged.
 
-    angle, rho : ndarray, (n_rollers,), rad and m, of the rollers in equilibrium; hub : ndarray, (2,), m
+    angle : ndarray, (n_rollers,), rad, of the rollers; found : hub and radii in equilibrium, (n_rollers + 2,), m
     force : N, largest of the raceways' contacts
 
     UsageError: wherever it stands, rollers or its guide wedge it with more than that force.
     """
-    middle = np.zeros(2)
+    middle, hub, rho = np.zeros(2), found[:2], found[2:]
     if cage is None:
         return middle
     outward = np.array([np.cos(angle), np.sin(angle)])
     around = np.array([-outward[1], outward[0]])
     off = (rho - bearing.pitch_radius) * outward  # of pockets' middles, if the cage is in the middle
 
-    def wedged(place: np.ndarray) -> float:
+    def wedged(place):
         """How far its tightest contact is closed, m."""
         if cage.guidance == "rollers":
             return float(np.hypot(*(off - place[:, None])).max()) - 0.5 * cage.pocket_clearance

@@ -11,7 +11,7 @@ from fem.kernels.fields import kind_of
 from fem.kernels.mounts import DONE
 from fem.solver import guards
 from fem.solver.simulate import LARGEST_BLOCK, size_of_block
-from fem.solver.solver import Block, Numbers, Plan, RunState, Samples
+from fem.solver.solver import Block, Plan, RunState, Samples
 from lagrange.bearing import Cage
 from lagrange.columns import PER_ROLLER, columns_of
 from lagrange.errors import UsageError
@@ -23,13 +23,12 @@ TURN = 2.0 * np.pi
 
 def row_places(n_rollers: int, parts: Collection[str] = ()) -> dict[str, int | slice]:
     """Where a row of the time loops holds each column: those of `columns`, then those of a scene's parts."""
-    further = columns_of(*parts)
     places: dict[str, int | slice] = {name: i for i, name in enumerate(row.SCALARS)}
-    at = row.N_SCALARS
-    for name in (*row.BLOCKS, *further):
-        is_block = name in row.BLOCKS or further[name].dimensions == PER_ROLLER
-        places[name] = slice(at, at + n_rollers) if is_block else at
-        at += n_rollers if is_block else 1
+    at, further = row.N_SCALARS, {name: column.dimensions for name, column in columns_of(*parts).items()}
+    for name, dimensions in (dict.fromkeys(row.BLOCKS, PER_ROLLER) | further).items():
+        size = n_rollers if dimensions == PER_ROLLER else 0
+        places[name] = slice(at, at + size) if size else at
+        at += size or 1
     return places
 
 
@@ -38,7 +37,7 @@ def row_width(n_rollers: int, cage: Cage | None, mounting: Mounting = HELD) -> i
     return _width(row_places(n_rollers, (*mounting.parts, *(() if cage is None else ("cage",)))))
 
 
-def _width(places: dict[str, int | slice]) -> int:
+def _width(places):
     return 1 + max(at.stop - 1 if isinstance(at, slice) else at for at in places.values())
 
 
@@ -66,27 +65,22 @@ class SampleReader:
         moved = values["energy_kinetic"] + sum(values[name] for name in ENERGIES if name in values)
         if self.count == 0:
             self.base[:] = works[0], values["work_dissipated"][0], moved[0], stored[0]
-        at_start, gained = self.base, moved - self.base[2]
+        at_start, gained, wrapped = self.base, moved - self.base[2], np.arctan2(y, x)
+        turns, jumped = np.round((self.angle - wrapped[0]) / TURN), np.diff(wrapped, axis=0)
+        angle = wrapped + TURN * turns
+        for sample, roller in np.argwhere(np.abs(jumped) > np.pi):  # few
+            turns[roller] -= np.round(jumped[sample, roller] / TURN)
+            angle[sample + 1 :, roller] = wrapped[sample + 1 :, roller] + TURN * turns[roller]
+        self.angle[:] = angle[-1]
         values |= {
             "time": (self.count + np.arange(len(rows))) / self.plan.looks * self.plan.interval,
-            "roller_rho": np.hypot(x, y), "roller_theta": self._unwrap(np.arctan2(y, x)),
+            "roller_rho": np.hypot(x, y), "roller_theta": angle,
             "work_external": works - at_start[0], "work_dissipated": values["work_dissipated"] - at_start[1],
         }  # fmt: skip
         self.count += len(rows)
         imbalance = gained + (stored - at_start[3]) - values["work_external"] + values["work_dissipated"]
         exchanged = np.fmax(stored - self.plan.pressed_energy, np.abs(gained))
         return self.account.samples(values, imbalance, exchanged)
-
-    def _unwrap(self, angle: np.ndarray) -> np.ndarray:
-        turns = np.round((self.angle - angle[0]) / TURN)
-        unwrapped = angle + TURN * turns
-        moved = np.diff(angle, axis=0)
-        for passed in np.flatnonzero(np.abs(moved) > np.pi):  # few
-            sample, roller = divmod(passed, angle.shape[1])
-            turns[roller] -= np.round(moved[sample, roller] / TURN)
-            unwrapped[sample + 1 :, roller] = angle[sample + 1 :, roller] + TURN * turns[roller]
-        self.angle[:] = unwrapped[-1]
-        return unwrapped
 
 
 class RowState(RunState):
@@ -135,7 +129,7 @@ class RowState(RunState):
         rows, stride = np.zeros((n_rows, self.reader.width)), plan.stride // plan.looks
         return rows, *self.step_rows(self.done * plan.stride + before * stride, stride, rows)
 
-    def _take_long_sample(self) -> tuple[np.ndarray, int, int, int] | None:
+    def _take_long_sample(self):
         """One sample in parts, between which the run can be stopped: then None, and the arrays are as before."""
         looks, kept = self.plan.looks, {name: array.copy() for name, array in self.named_arrays().items()}
         whole, done, size = np.zeros((looks, self.reader.width)), 0, 1
@@ -152,7 +146,7 @@ class RowState(RunState):
                 return None
             size = size_of_block(size, len(rows), time.perf_counter() - began)
 
-    def advance(self, most: int) -> Block:
+    def advance(self, most):
         plan, frame = self.plan, None
         most = min(most, LARGEST_BLOCK // plan.looks or 1)
         if plan.frame_stride:  # between two samples the state is that of the one to come
@@ -183,7 +177,6 @@ class RowState(RunState):
         return Block(samples=samples, frame=frame, trouble=trouble)
 
     def read(self, rows: np.ndarray) -> Samples:
-        """Quantities of the next rows."""
         return self.reader.read(rows)
 
     def velocity_trouble(self, step: int, body: int, n_good: int) -> str:
@@ -210,16 +203,14 @@ class RowState(RunState):
         return min(balanced, in_place), trouble
 
     @property
-    def warnings(self) -> tuple[str, ...]:
-        wide = guards.run_warnings(self.plan.bearing, self.largest)
+    def warnings(self):
         missed, passed_on = self.missed[0], self.passed_on[0]
-        if missed <= guards.DOUBTFUL * passed_on:
-            return wide
-        return (
-            *wide,
+        off = (
             f"the energy balance is off by up to {100.0 * missed / passed_on:.2g} % of what is exchanged "
-            f"({1e3 * passed_on:.3g} mJ): the motion may be off by as much; {self.plan.finer}",
+            f"({1e3 * passed_on:.3g} mJ): the motion may be off by as much; {self.plan.finer}"
         )
+        wide = guards.run_warnings(self.plan.bearing, self.largest)
+        return (*wide, off) if missed > guards.DOUBTFUL * passed_on else wide
 
     def kept_arrays(self) -> dict[str, np.ndarray]:
         """What a checkpoint keeps, as views: the arrays of the loop and of all that watches them."""
@@ -227,10 +218,10 @@ class RowState(RunState):
         watched = {"largest": self.largest, "missed": self.missed, "passed_on": self.passed_on}
         return self.named_arrays() | watched | {"angle": reader.angle, "base": reader.base, "account": account}
 
-    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
+    def to_keep(self):
         return self.kept_arrays(), {"model": self.digest()}
 
-    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
+    def take_back(self, arrays, numbers):
         if numbers["model"] != self.digest():
             raise UsageError(
                 "its meshes and matrices are not those computed here; go on where it was written, or start again "
@@ -254,7 +245,7 @@ def collect_arrays(groups: dict[str, tuple]) -> dict[str, tuple[np.ndarray, bool
     """
     found: dict[str, tuple[np.ndarray, bool]] = {}
 
-    def collect(group: tuple, place: str) -> None:
+    def collect(group, place):
         for name, entry in zip(getattr(group, "_fields", range(len(group))), group, strict=True):
             if isinstance(entry, np.ndarray):
                 kind = kind_of(group, name) or ("state" if entry.dtype.kind == "f" else "given")

@@ -8,7 +8,7 @@ import numpy as np
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.tilted import NOTHING, no_narrower, tilted_slices, tilted_tables, too_narrow
 from fem.statics import contact_balance as statics
-from fem.statics.contact_balance import Condensed, Loads, hub_spring
+from fem.statics.contact_balance import Loads, hub_spring
 from fem.statics.exact_statics import ReducedBearing, reduced_bearing
 from lagrange import Bearing, Kinematics, Operation
 from lagrange.axial import ContactTable, SpalledTable
@@ -16,7 +16,7 @@ from lagrange.axial.pressure import exerted, placed
 from lagrange.axial.slices import Axial, steepest_slope
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError
-from lagrange.first_state import Passing, passing, places_moving, tilts_moving, weight_on_springs
+from lagrange.first_state import passing, places_moving, tilts_moving, weight_on_springs
 from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.motion import Tilts, hub_tilt
 from lagrange.mounting import HELD, ring_place
@@ -48,6 +48,9 @@ class ReducedStart:
     tilts: Tilts | None = None  # None: axes stay parallel
     inner_moment: np.ndarray | None = None  # (n_rollers,), N m
     outer_moment: np.ndarray | None = None
+
+    place = property(lambda self: np.concatenate([self.hub, self.rho]))
+    forces = property(lambda self: np.concatenate([self.inner_force, self.outer_force]))
 
 
 class Balanced(NamedTuple):
@@ -108,19 +111,19 @@ def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
     return _balanced(reduced_bearing(model.bearing, kinematics(model.bearing, 0.0)), alone, 0.0).hub
 
 
-def _contacts_at(model: ReducedBearing, operation: Operation, time: float) -> Condensed:
+def _contacts_at(model, operation, time):
     bearing = model.bearing
     angle = roller_angles(bearing, operation.first_roller_angle) + turned(bearing, operation, time).cage
     return model.at(angle, Turns.rolling(bearing, operation, time))
 
 
-def _balanced(model: ReducedBearing, operation: Operation, time: float, middle=None, ring=NOWHERE) -> Balanced:
+def _balanced(model, operation, time, middle=None, ring=NOWHERE):
     """Hub and radii, m, and forces, N, in equilibrium with rollers at their angles of a time, s; `middle`: one near."""
     contacts, cage = _contacts_at(model, operation, time), kinematics(model.bearing, *operation.ring_speeds).cage
     return Balanced(*statics.balance(contacts, Loads.of(operation.at(time), cage, ring), *(middle or ())))
 
 
-def _start(model, operation, place, forces, ring, found: Passing | None = None, **more) -> ReducedStart:
+def _start(model, operation, place, forces, ring, found=None, **more):
     bearing, n, forces = model.bearing, model.bearing.n_rollers, statics.closed_forces(forces)
     rate = np.zeros_like(place) if found is None else found.rate("place")
     return ReducedStart(
@@ -154,7 +157,7 @@ def tilted_start(
     """
     operation, n = operation if plane.steady else unloaded(operation), model.bearing.n_rollers
 
-    def balanced(time: float) -> TiltedStatics:
+    def balanced(time):
         return _tilted_at(model, operation, axial, tables, plane, time)
 
     now, found, warning = balanced(0.0), None, None
@@ -170,16 +173,13 @@ def tilted_start(
     )  # fmt: skip
 
 
-def _tilted_at(
-    model: ReducedBearing, operation: Operation, axial: Axial, laws: tuple, plane: ReducedStart, time: float
-) -> TiltedStatics:
+def _tilted_at(model, operation, axial, laws, plane, time):
     """Equilibrium at a time, s, near that of parallel axes. NotFound."""
     contacts, n = _contacts_at(model, operation, time), model.bearing.n_rollers
     along = 12.0 / model.bearing.roller_length**2 * contacts.compliance
     along[range(n), range(n, 2 * n)] = along[range(n, 2 * n), range(n)] = 0.0  # rollers' own is in contacts' tables
-    elastic, near = Elastic(contacts.compliance, along, contacts.closing), np.concatenate([plane.hub, plane.rho])
-    hub = hub_tilt(operation, axial)
-    return statics.tilted_balance(contacts, operation.at(time), laws, hub, plane.ring, near, elastic)
+    elastic, hub = Elastic(contacts.compliance, along, contacts.closing), hub_tilt(operation, axial)
+    return statics.tilted_balance(contacts, operation.at(time), laws, hub, plane.ring, plane.place, elastic)
 
 
 def check_slices(model: ReducedBearing, operation: Operation, axial: Axial, loaded: ReducedStart) -> None:

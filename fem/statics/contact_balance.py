@@ -215,7 +215,7 @@ class Held:
         )
 
 
-def _closed_alone(held: Held, near: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+def _closed_alone(held, near):
     """Positions and forces by Newton's method on the contacts that forces near by close; None: it does not get there.
 
     Where no force pulls and no other contact is closed it is the solution, as a convex problem has but one.
@@ -244,7 +244,7 @@ def _closed_alone(held: Held, near: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return None
 
 
-def _convex(held: Held) -> tuple[np.ndarray, np.ndarray]:
+def _convex(held):
     """Positions and forces, whatever contacts close.
 
     Primal-dual interior-point method (Nocedal and Wright, Numerical Optimization, 2006, chapter 19): forces q and gaps
@@ -254,7 +254,7 @@ def _convex(held: Held) -> tuple[np.ndarray, np.ndarray]:
     moved, force = held.position.copy(), np.full(held.overlap.size, held.size)
     gap, springs = FIRST_GAP * radius + np.maximum(-held.overlap, 0.0), np.diag(held.springs)
 
-    def room(value: np.ndarray, step: np.ndarray) -> float:
+    def room(value, step):
         """Share of a step that keeps values above 0."""
         return TO_THE_WALL * float(np.divide(-value, step, out=np.full(len(step), inf), where=step < 0.0).min())
 

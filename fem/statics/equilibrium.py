@@ -118,7 +118,7 @@ def solved(
     raise NotFound(NOT_SETTLED)
 
 
-def _settled(model: Model, outer_ring: np.ndarray) -> Model:
+def _settled(model, outer_ring):
     """The model with an outer ring that touches its bore where its displacement, (n_rows, 2, n_sectors), m, says so."""
     ring = model.outer_ring.settled(outer_ring)
     return model if ring is model.outer_ring else replace(model, outer_ring=ring)

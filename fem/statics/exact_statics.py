@@ -5,7 +5,6 @@ milliseconds. For dynamics a bearing is reduced to its contacts by the same seri
 its waves.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import log, pi
@@ -16,7 +15,7 @@ import numpy as np
 from fem.contacts.contact_law import ContactLaw
 from fem.elastic import continuum as series
 from fem.elastic.cache import kept
-from fem.elastic.continuum import Section, hertz_approach, plane_compliance, ring_sections, roller_section
+from fem.elastic.continuum import hertz_approach, plane_compliance, ring_sections, roller_section
 from fem.elastic.vibration import inertia
 from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces
 from lagrange import Bearing, Kinematics, Operation
@@ -84,7 +83,7 @@ def of_present(bearing: Bearing, compliance: np.ndarray) -> np.ndarray:
     return compliance[np.ix_(contacts, contacts)]
 
 
-def _loaded_ring(ring: Section, half_width: float, compliance: Callable = plane_compliance):
+def _loaded_ring(ring, half_width, compliance=plane_compliance):
     """Compliance, m/Pa, and transform of the load, by harmonics, (n_harmonics,)."""
     harmonics = np.arange(int(N_HARMONICS_PER_WIDTH * ring.loaded / half_width))
     return compliance(ring, harmonics), series.hertz_patch(harmonics, half_width, ring.loaded)
@@ -159,7 +158,7 @@ class ExpectedForces:
     _load = property(lambda self: self.operation.heaviest + self.operation.inner_mass * self.operation.gravity)
 
     @property
-    def _centrifugal(self) -> float:
+    def _centrifugal(self):
         inner, outer = (np.abs(speeds).max() for speeds in self.operation.ring_speeds_met)
         cage = float(0.5 * inner + outer)  # or less
         return self.bearing.roller_mass * cage**2 * self.bearing.pitch_radius
@@ -217,7 +216,7 @@ def strays(n_rollers: int) -> float:
     return STRAYS * 2.0 * pi / n_rollers
 
 
-def _neighbours(n: int) -> np.ndarray:
+def _neighbours(n):
     """By how many rollers others are ahead, the nearest first: −1, 1, −2 ..."""
     return np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
 
@@ -240,7 +239,7 @@ def ring_couplings(bearing: Bearing, around: np.ndarray, crossed: np.ndarray, ow
     # an odd function of the angle; what pulls a roller along pulls its ring back
     crossed = np.where(ahead, crossed[:, far], -crossed[:, far])
 
-    def reach(values: np.ndarray, limit: float) -> list[int]:
+    def reach(values, limit):
         """By ring, how many there are up to the last one beyond a limit."""
         return [int(np.flatnonzero(row > limit * own).max(initial=-1)) + 1 for row in values]
 
@@ -269,7 +268,7 @@ def neighbours_of(bearing: Bearing, rings: RingCouplings) -> tuple[RingCouplings
     for place, pockets in enumerate(rings.distance):
         at[apart == pockets] = place
 
-    def as_far(count: int) -> int:
+    def as_far(count):
         """How many neighbours are as far as that many pockets'."""
         return np.sum(np.abs(distance) <= np.abs(rings.distance[:count]).max(initial=0))
 
@@ -328,7 +327,7 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics, gravity: float = 0.0) 
     )  # fmt: skip
 
 
-def _rolling(law: ContactLaw, bearing: Bearing, motion: Kinematics) -> ContactLaw:
+def _rolling(law, bearing, motion):
     """The law of a contact that rolls along both surfaces: its two sides by how much softer they are.
 
     A ring's harmonics that are longer than two rollers' distance stand still with the load zone: they are as they were.
@@ -343,7 +342,7 @@ def _rolling(law: ContactLaw, bearing: Bearing, motion: Kinematics) -> ContactLa
 
 
 @lru_cache(maxsize=2)
-def _long_waves(bearing: Bearing, outer: bool) -> float:
+def _long_waves(bearing, outer):
     """What harmonics longer than two rollers' distance have of a ring's own compliance, m/N."""
     ring = ring_sections(bearing)[outer]
     harmonics = plane_compliance(ring, np.arange((bearing.pockets + 1) // 2))
@@ -364,13 +363,13 @@ def kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
     return contacts, between
 
 
-def _sound(bearing: Bearing) -> Bearing:
+def _sound(bearing):
     """The bearing whose series are kept: neither faults of surfaces nor missing rollers change how bodies give way."""
     return replace(bearing, faults=()).full
 
 
 @lru_cache(maxsize=1)
-def _kept_series(bearing: Bearing) -> dict[str, np.ndarray]:
+def _kept_series(bearing):
     """Series and laws, the last bearing's kept in memory: scenes that follow differ in speed, load or faults."""
 
     def make():

@@ -65,7 +65,7 @@ def peak_columns(scene: Scene, samples: Mapping[str, np.ndarray]) -> dict[str, n
     force = max(samples[f"{side}_force"].max() for side in SIDES)
     within = rounded_range(float(force), max(float(slope), LEAST))
 
-    def make() -> dict[str, np.ndarray]:
+    def make():
         each = zip(scene_slices(scene), contact_pairs(bearing), profile_ends(bearing, axial), strict=False)
         return {"peaks": np.stack([peak_table(*of_contact, *within).peaks for of_contact in each])}
 

@@ -57,6 +57,11 @@ class Tables(Table):
         return any(getattr(self, name) for name in SURFACES)
 
     @property
+    def load_ramp(self) -> float:
+        """Time over which the load grows from nothing, s."""
+        return 1e-3 * self.numerics.load_ramp_ms if self.numerics.start == "rest" else 0.0
+
+    @property
     def friction_coefficient(self) -> float:
         """Of the contacts, dry or under a film."""
         return self.contact.friction_coefficient if self.lubricant is None else self.lubricant.traction_coefficient

@@ -100,7 +100,7 @@ def equilibrium_start(model: Model, operation: Operation, tilting: Tilting | Non
         ring = ring_place(operation.mounting, on_springs, lambda place: at(0.0, place).outer_force @ motion.radial)
     middle = at(0.0, ring)
 
-    def stiffness() -> np.ndarray:
+    def stiffness():
         """Of the hub by the exact compliances of elastic bodies."""
         if middle.axes is not None:
             return middle.axes.radial_stiffness
@@ -135,12 +135,12 @@ def rest_start(model: Model, operation: Operation, tilting: Tilting | None = Non
     return _start(model, operation, motion, undeformed, steady=False)
 
 
-def _weight_on_springs(model: Model, operation: Operation) -> float:
+def _weight_on_springs(model, operation):
     housing = operation.mounting.housing
     return 0.0 if housing is None else operation.gravity * (housing.mass + model.outer_ring.total_mass)
 
 
-def _start(model: Model, operation: Operation, motion: Motion, found: Equilibrium, around=None, **more) -> Start:
+def _start(model, operation, motion, found, around=None, **more):
     """Of an equilibrium, with the rates of the `Passing` around it; None: at rest."""
     ideal, housing, axes = kinematics(model.bearing, *operation.ring_speeds), operation.mounting.housing, None
     place = np.zeros(2)
@@ -247,7 +247,7 @@ def pair_groups(
     turning = None if drive.history is None else drive.history.outer
     profile, n = parts.surfaces_of(bearing, columns), {"n_contacts": bearing.n_rollers}
 
-    def raceway(body: RingBody, ring: Ring, row: int, rigid: object, **more):
+    def raceway(body, ring, row, rigid, **more):
         """Its `Pair` with the rollers; `rigid` : its surface, if it is."""
         surface = rigid
         if not body.material.rigid:
@@ -317,7 +317,7 @@ def contact_arrays(
     )
 
 
-def _overlapping(model: Model, width: float) -> int | None:
+def _overlapping(model, width):
     """Whether patches can come within `width` nodes, as `Friction.overlapping` says it.
 
     On a raceway those of rollers that touch; on a roller its own, from a raceway to the other roller, which is less
@@ -331,7 +331,7 @@ def _overlapping(model: Model, width: float) -> int | None:
     return WHERE_ROLLERS_TOUCH if on_roller < width and not model.roller.material.rigid else None
 
 
-def _reach(model: Model, operation: Operation) -> float:
+def _reach(model, operation):
     """A gap that elastic motion can't close: far above any contact's approach, and twice the growth under rotation."""
     disc, met = model.roller, kinematics_met(model.bearing, operation)
     growth = 0.0
@@ -442,15 +442,12 @@ def ring_nodes(ring: RingBody, dt: float, slowing: Slowing) -> Ring:
     )  # fmt: skip
 
 
-Moved = tuple[np.ndarray, np.ndarray]  # a ring's nodes about its centre, (n_rows, 2, n_sectors), and that, (2,)
-
-
-def _place_ring(
-    body: RingBody, ring: Ring, places: Moved, rates: Moved, speed: float, chord: float, slowing: Slowing
-) -> np.ndarray:
+def _place_ring(body, ring, places, rates, speed, chord, slowing):
     """Polar state about the outer ring's centre: the centre's motion, the rotation and the deformation.
 
-    places, rates : displacements, m, and velocities, m/s; chord : s, a step in which forces hold nodes on circles, or 0
+    places, rates : displacements, m, and velocities, m/s, of nodes about the ring's centre, (n_rows, 2, n_sectors), and
+        of that, (2,)
+    chord : s, a step in which forces hold nodes on circles, or 0
 
     Returns the momenta, (n_rows, 2, n_sectors), m/s, without what half a step turns of them.
     """
@@ -466,7 +463,7 @@ def _place_ring(
     return momenta
 
 
-def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, dt: float, slowing: Slowing) -> None:
+def _place_rollers(body, rollers, disc, start, dt, slowing):
     n, spin, cage = rollers.n, start.kinematics.roller, start.kinematics.cage
     rho, angle = start.equilibrium.rho, start.angle
     radial = rho * np.stack([np.cos(angle), np.sin(angle)])
@@ -492,7 +489,7 @@ def hub_mass(ring: RingBody, operation: Operation) -> float:
     return float(operation.inner_mass - ring.total_mass + _held_mass(ring))
 
 
-def _held_mass(ring: RingBody) -> float:
+def _held_mass(ring):
     return ring.total_mass if ring.material.rigid else ring.n_sectors * ring.row_mass[ring.held_row]
 
 

@@ -15,21 +15,19 @@ from fem.contacts.model import Model
 from fem.elastic.outer_support import BoredRing, LooseRing, SupportedRing, bored_ring, supported_ring
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD, ReciprocalMass
 from fem.kernels.elements import loop
-from fem.kernels.elements.state import Pair
 from fem.kernels.elements.tilted import SlicedLaw
-from fem.quantities import largest_loads
 from fem.solver import limits
 from fem.solver import start as starts
-from fem.solver.compiling import CompiledPlan, in_words, pace
+from fem.solver.compiling import CompiledPlan, pace
 from fem.solver.elements import arrays as elements
 from fem.solver.elements.arrays import Arrays, Start
 from fem.solver.parts import LESS, beyond_tables, cage_seat, cage_springs, time_along_a_knot
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
-from fem.solver.solver import Block, may_strike, sample_count
+from fem.solver.solver import may_strike, sample_count
 from fem.statics.contact_balance import NotFound
 from fem.statics.equilibrium import Tilting, static_equilibrium, static_error
 from fem.statics.exact_statics import LEAST_LOAD, ExpectedForces, kept_contacts, reduced_bearing
-from lagrange import Bearing, Operation
+from lagrange import Operation
 from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import kinematics, kinematics_met
 from lagrange.scene.scene import MODEL_NAMES, Scene
@@ -64,13 +62,13 @@ def model_of(scene: Scene, expected: ExpectedForces | None = None) -> Model:
 
 
 @lru_cache(maxsize=1)
-def _built(kind: type[Model], bearing: Bearing, mesh_size: float) -> Model:
+def _built(kind, bearing, mesh_size):
     found = kind.build(bearing, mesh_size)
     limits.check_meshes(found)
     return found
 
 
-def _contact_model(name: str, mesh_size: float, expected: ExpectedForces) -> type[Model]:
+def _contact_model(name, mesh_size, expected):
     """The contact model of a scene's name: on a mesh, m, that is fine enough for it."""
     *finer, chosen = MODELS[name]
     pairs = contact_pairs(expected.bearing)[:2]
@@ -94,40 +92,35 @@ KNOTS_A_STEP = 0.3  # of a profile's spline: with more, spalls that pass at 40 m
 class ElementState(RowState):
     """The arrays of all elastic bodies."""
 
-    def begin(self) -> None:
+    def begin(self):
         super().begin()
         self.arrays = self.plan.arrays()
 
-    def named_arrays(self) -> dict[str, np.ndarray]:
+    def named_arrays(self):
         return self.arrays.named()
 
-    def digest(self) -> str:
+    def digest(self):
         text = hashlib.sha256()
         for name, (array, given) in self.arrays.every().items():
             if given:
                 text.update(f"{name} {array.dtype} {array.shape} ".encode() + array.tobytes())
         return text.hexdigest()
 
-    def check(self) -> None:
+    def check(self):
         self.arrays.check()
 
-    def advance(self, most: int) -> Block:
-        block = super().advance(most)
-        pairs = (pair for group in self.arrays.groups for pair in group if isinstance(pair, Pair))
-        laws = [pair.law for pair in pairs if isinstance(pair.law, SlicedLaw)]
-        tilts = laws[0].axes.tilts if laws else None
-        if block.trouble is None and (beyond := beyond_tables(tilts, tuple(law.table for law in laws))) is not None:
-            return replace(block, trouble=f"{beyond}; {LESS}")
-        return block
+    def advance(self, most):
+        block, pairs = super().advance(most), (pair for group in self.arrays.groups for pair in group)
+        laws = [pair.law for pair in pairs if isinstance(getattr(pair, "law", None), SlicedLaw)]
+        beyond = beyond_tables(laws[0].axes.tilts, [law.table for law in laws]) if laws else None
+        return block if block.trouble or beyond is None else replace(block, trouble=f"{beyond}; {LESS}")
 
     def frame(self):
         return elements.frame_of(self.plan.model, self.arrays, self.done, self.plan.interval)
 
-    def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
-        arrays = self.arrays
-        return loop.advance(
-            arrays.bodies, arrays.groups, arrays.contacts, arrays.drive, arrays.scratch, first, stride, rows
-        )
+    def step_rows(self, first, stride, rows):
+        a = self.arrays
+        return loop.advance(a.bodies, a.groups, a.contacts, a.drive, a.scratch, first, stride, rows)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,22 +159,22 @@ class ElementPlan(CompiledPlan):
     steps = property(lambda self: (self.n_samples - 1) * self.stride)
 
     @property
-    def degrees_of_freedom(self) -> int:
+    def degrees_of_freedom(self):
         axial, n = self.scene.ideal_axial(), self.bearing.n_rollers
         return self.model.degrees_of_freedom + (0 if axial is None else n + 2 * axial.has_free_slope)
 
     @property
-    def pressed_energy(self) -> float:
+    def pressed_energy(self):
         ring = self.model.outer_ring
         return ring.pressed_energy if isinstance(ring, BoredRing) else 0.0
 
     @property
-    def expected_seconds(self) -> float:
+    def expected_seconds(self):
         a_step = SECONDS_PER_DOF[self.mass] * self.model.degrees_of_freedom
         a_step += SECONDS_PER_ROLLER * self.bearing.n_rollers
         return pace("fem") * a_step * self.steps
 
-    def table(self) -> Table:
+    def table(self):
         """Size and shape of each body's mesh."""
         table = Table()
         for heading in ("mesh", "nodes", "cells", "edges, mm", "angles, deg"):
@@ -196,7 +189,7 @@ class ElementPlan(CompiledPlan):
             )  # fmt: skip
         return table
 
-    def rows(self) -> dict[str, str]:
+    def rows(self):
         """Steps, memory, the time to expect and the mesh's static error."""
         model, start, ring, intervals = self.model, self.start.equilibrium, self.model.outer_ring, self.n_samples - 1
         slowed = ", with the fastest waves slowed" if self.mass.share else ""
@@ -219,13 +212,8 @@ class ElementPlan(CompiledPlan):
             frames, every = 1 + intervals // self.frame_stride, 1e3 * self.frame_stride * self.interval
             size = 1e-6 * frames * model.n_nodes * BYTES_PER_NODE
             rows["fields"] = f"{frames}, one every {every:g} ms, {size:.3g} MB"
-        rows |= {
-            "memory of the arrays": f"{1e-6 * self.arrays().nbytes:.1f} MB",
-            "expected time": in_words("fem", self.expected_seconds),
-            "largest static forces": largest_loads(
-                model.bearing, start.inner_force.max(), start.outer_force.max(), tilts=self.tilting is not None
-            ),
-        }
+        rows["memory of the arrays"] = f"{1e-6 * self.arrays().nbytes:.1f} MB"
+        rows |= self.time_and_forces(start.inner_force, start.outer_force)
         if self.operation.radial_load >= LEAST_LOAD and not isinstance(ring, LooseRing):
             hub, force = static_error(model, self.operation)
             rows["static error of the mesh"] = (
@@ -236,14 +224,12 @@ class ElementPlan(CompiledPlan):
     def arrays(self) -> Arrays:
         """Fresh arrays at the start."""
         scene, start, operation, bearing = self.scene, self.start, self.operation, self.bearing
-        ramp = 1e-3 * scene.numerics.load_ramp_ms if scene.numerics.start == "rest" else 0.0
-        how = self.time_step, scene.friction_coefficient, ramp, self.largest_force, self.mass
-        arrays = elements.with_damping(
-            elements.make_arrays(self.model, operation, start, *how), self.model, scene.damping
-        )
+        how = self.time_step, scene.friction_coefficient, scene.load_ramp, self.largest_force, self.mass
+        arrays = elements.make_arrays(self.model, operation, start, *how)
+        arrays = elements.with_damping(arrays, self.model, scene.damping)
         axial, cage = scene.ideal_axial(), scene.ideal_cage()
         if axial is not None and self.tilting is not None and start.tilts is not None:
-            tables = self.tilting.laws[0].table, self.tilting.laws[1].table
+            tables = tuple(law.table for law in self.tilting.laws)
             arrays = elements.with_axes(arrays, bearing, operation, axial, cage, tables, start)
         return arrays if cage is None else elements.with_cage(arrays, bearing, cage, start, self.seat, operation)
 
@@ -253,10 +239,10 @@ class ElementPlan(CompiledPlan):
         still = replace(self.operation, speed=0.0, outer_speed=0.0, history=None)
         return None if self.tilting is None else self.tilting.at(still, np.zeros(2))
 
-    def static_hub(self) -> np.ndarray:
+    def static_hub(self):
         return static_equilibrium(self.model, self.operation).hub
 
-    def first_state(self) -> ElementState:
+    def first_state(self):
         return ElementState(self)
 
 
@@ -293,37 +279,30 @@ def make_plan(scene: Scene) -> ElementPlan:
         starts.check_narrow(bearing, axial, kept_contacts(bearing)[0].laws, loaded.equilibrium.axes)
     start = elements.rest_start(model, operation, tilting) if numerics.start == "rest" else loaded
     on_bearing, on_cage = cage_springs(bearing, cage, operation)
-    springs, sticks = (
-        (elements.hub_mass(model.inner_ring, operation), on_bearing),
-        scene.contact.friction_coefficient > 0.0,
-    )
+    on_hub, sticks = elements.hub_mass(model.inner_ring, operation), scene.contact.friction_coefficient > 0.0
+    along, found = KNOTS_A_STEP * time_along_a_knot(bearing, fastest), start.equilibrium
 
-    def critical_with(mass: ReciprocalMass) -> float:
-        found = critical_time_step(model, next_rung(expected), operation.mounting, *springs, mass, sticks)
-        return found if on_cage == 0.0 else min(found, 2.0 / sqrt(on_cage))
+    def steps_with(mass):  # the critical step, and the longest, s
+        critical = critical_time_step(model, next_rung(expected), operation.mounting, on_hub, on_bearing, mass, sticks)
+        critical = critical if on_cage == 0.0 else min(critical, 2.0 / sqrt(on_cage))
+        return critical, min(numerics.time_step_safety * critical, along)
 
-    found = start.equilibrium
-    raceways = float(max(found.inner_force.max(), found.outer_force.max()))
-    interval = 1e-6 * numerics.output_interval_us
-    along = KNOTS_A_STEP * time_along_a_knot(bearing, fastest)
-    mass, critical = LUMPED, critical_with(LUMPED)
-    longest = lumped = min(numerics.time_step_safety * critical, along)
+    interval, mass, (critical, longest) = 1e-6 * numerics.output_interval_us, LUMPED, steps_with(LUMPED)
     damped = scene.damping.contacts.acts  # by forces that are implicit in velocities of nodes with lumped masses
     if not may_strike(scene, bearing, operation) and not damped and (model.has_law or not sticks):
         for slowed in LONG:
-            further = critical_with(slowed)
-            if min(numerics.time_step_safety * further, along) > slowed.worth * lumped:
-                mass, critical = slowed, further
-                longest = min(numerics.time_step_safety * further, along)
+            further = steps_with(slowed)
+            if further[1] > slowed.worth * longest:
+                mass, (critical, longest) = slowed, further
                 break
     steps = max(1, ceil(interval / longest))
     looks = ceil(steps / LONGEST_UNWATCHED)
     stride = looks * ceil(steps / looks)  # `ElementPlan.looks` shall divide it
-    warnings = limits.plan_warnings(scene, model, operation, loaded.equilibrium, interval)
+    warnings = limits.plan_warnings(scene, model, operation, loaded.equilibrium, interval, start.warning)
     return ElementPlan(
         scene=scene, model=model, operation=operation, start=start, tilting=tilting,
-        seat=cage_seat(bearing, cage, start.angle, found.rho, found.hub, raceways), critical_time_step=critical,
+        seat=cage_seat(bearing, cage, start.angle, found.place, float(found.forces.max())), critical_time_step=critical,
         time_step=interval / stride, stride=stride, largest_force=expected, mass=mass,
-        warnings=(*warnings, *model.outer_ring.warnings, *(() if start.warning is None else (start.warning,))),
+        warnings=(*warnings, *model.outer_ring.warnings),
         n_samples=sample_count(scene), frame_stride=round(1e-3 * scene.output.fields_every_ms / interval),
     )  # fmt: skip

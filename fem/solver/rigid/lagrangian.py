@@ -4,7 +4,6 @@ Tractions and mesh energy are 0, the springs' energy is `energy_contact`; fricti
 scene play no part. Where no steps are taken no compiler is loaded.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil
@@ -12,12 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.quantities import largest_loads
-from fem.solver.compiling import in_words, pace
+from fem.solver.compiling import pace
 from fem.solver.guards import EnergyAccount, Judge, largest_forces
 from fem.solver.limits import of_scene
 from fem.solver.rigid.plan import RigidPlan, sections_of
-from fem.solver.solver import Block, Numbers, RunState, sample_count
+from fem.solver.solver import Block, RunState, sample_count
 from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.laws import warning
 from lagrange.errors import RunFailed
@@ -84,12 +82,9 @@ def beginning(problem: Problem) -> Beginning:
     samples |= dict.fromkeys(WORKS, np.zeros(1)) | {"roller_spin": per_roller + spin}
     of_hub = -np.array(hub_equations(problem.acting(0.0), state, touch, 0.0, 0.0)) / operation.inner_mass
     hub = Moving(np.array([state.x, state.y]) + ring, np.array([state.x_rate, state.y_rate]), of_hub, of_hub)
-    place, velocity = (
-        ring[:, None] + state.rho * radial,
-        state.rho_rate * radial + state.rho * state.theta_rate * around,
-    )
-    pushed = outwards * radial + (0.0 if held else 1.0) * along * around
-    rollers = Moving(place, velocity, outwards * radial + along * around, pushed)
+    velocity = state.rho_rate * radial + state.rho * state.theta_rate * around
+    whole = outwards * radial + along * around
+    rollers = Moving(ring[:, None] + state.rho * radial, velocity, whole, outwards * radial if held else whole)
     of_ring = Moving(ring, np.zeros(2), ring_acceleration, ring_acceleration)
     return Beginning(angle=state.theta, hub=hub, rollers=rollers, ring=of_ring, samples=samples)
 
@@ -104,7 +99,7 @@ class StartState(RunState):
         self._judge, self._largest = Judge(plan.problem, plan.time_step), np.zeros(3)
         _ = plan.begin
 
-    def advance(self, most: int) -> Block:
+    def advance(self, most):
         start = self.plan.begin.samples
         samples = EnergyAccount().samples(dict(start), np.zeros(1), start["energy_contact"])
         self._judge.meet(samples)
@@ -114,14 +109,14 @@ class StartState(RunState):
     warnings = property(lambda self: self._judge.warnings(self._largest))
 
     @property
-    def outcome_attributes(self) -> dict[str, float | str]:
+    def outcome_attributes(self):
         more = {"time_step": self.plan.time_step, "critical_time_step": self._judge.critical_time_step}
         return super().outcome_attributes | more
 
-    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
+    def to_keep(self):
         return {}, {"halvings": 0, "doublings": 0}  # as a run does that has taken its first sample
 
-    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
+    def take_back(self, arrays, numbers):
         if self.done:
             self.advance(1)
 
@@ -148,7 +143,7 @@ class LagrangianPlan(RigidPlan):
     compiling_seconds = 5.0
     lacks = "bending of the rings, elastic waves"
 
-    def changed(self, **changes) -> "LagrangianPlan":
+    def changed(self, **changes):
         found = replace(self, **changes)
         found.__dict__["begin"] = self.begin
         return found
@@ -159,7 +154,7 @@ class LagrangianPlan(RigidPlan):
     static_energy = property(lambda self: float(self.begin.samples["energy_contact"][0]))  # Of contacts at the start, J
 
     @property
-    def critical_time_step(self) -> float:
+    def critical_time_step(self):
         """Under the largest forces that can be expected, s."""
         return critical_time_step(self.problem)
 
@@ -172,33 +167,33 @@ class LagrangianPlan(RigidPlan):
             raise RunFailed(str(error)) from None
 
     @property
-    def degrees_of_freedom(self) -> int:
+    def degrees_of_freedom(self):
         """N_b + 2, or 2 N_b + 2 where the angles are free; 2 more with a housing, 3 with a free cage.
 
         Rollers that tilt have one more each, a hub whose slope is free two.
         """
         problem, n, hub = self.problem, self.bearing.n_rollers, self.problem.hub_tilt
-        found = 2 + (2 * n if problem.angles == "free" else n) + (0 if problem.free_cage is None else 3)
-        found += 0 if hub is None else n + (2 if hub.is_free else 0)
-        return found + (0 if self.operation.mounting.housing is None else 2)
+        found = 2 + (2 * n if problem.angles == "free" else n) + 3 * (problem.free_cage is not None)
+        found += 0 if hub is None else n + 2 * hub.is_free
+        return found + 2 * (self.operation.mounting.housing is not None)
 
     @property
-    def expected_seconds(self) -> float:
+    def expected_seconds(self):
         """Of all steps and samples, s, unless contacts rattle."""
-        n, damped = self.bearing.n_rollers, self.problem.damping.acts
+        n = self.bearing.n_rollers
         each = SECONDS_PER_EIGHT * ceil(n / 8) * (ON_SURFACES if self.bearing.faults else 1.0)
-        each *= DAMPED if damped else 1.0
+        each *= DAMPED if self.problem.damping.acts else 1.0
         return pace("lagrange") * (each * self.steps + SECONDS_PER_SAMPLE * self.n_samples * n)
 
-    def static_hub(self) -> np.ndarray:
+    def static_hub(self):
         alone = replace(self.operation, side_load=0.0, gravity=0.0, history=None, mounting=HELD)
         still = static_equilibrium(self.bearing, alone, self.problem.laws, roller_mass=0.0)
         return np.array([still.x, still.y])
 
-    def prepare(self, tell: Callable[[str], None] | None = None) -> RunState:
+    def prepare(self, tell=None):
         return self.first_state() if self.n_samples == 1 else super().prepare(tell)
 
-    def first_state(self) -> RunState:
+    def first_state(self):
         if self.n_samples == 1:
             return StartState(self)
         from fem.solver.rigid.state import LagrangianState  # needs a compiler
@@ -206,26 +201,24 @@ class LagrangianPlan(RigidPlan):
         return LagrangianState(self)
 
     @property
-    def notices(self) -> tuple[str, ...]:
+    def notices(self):
         return (*(() if self.law_warning is None else (self.law_warning,)), *super().notices)
 
-    def versions(self) -> dict[str, str]:
+    def versions(self):
         return {"numpy": np.__version__, **super().versions()}
 
-    def rows(self) -> dict[str, str]:
-        options, problem, tilts = self.scene.lagrange, self.problem, self.axial is not None
+    def rows(self):
+        options, problem = self.scene.lagrange, self.problem
         try:
             found = static_equilibrium(self.bearing, self.operation, problem.laws)
         except RuntimeError as error:
             raise RunFailed(str(error)) from None
-        forces = vars(found) if not tilts else self.begin.samples
-        largest = forces["inner_force"].max(), forces["outer_force"].max()
+        forces = vars(found) if self.axial is None else self.begin.samples
         return {
             "degrees of freedom": f"{self.degrees_of_freedom} ({options.angles} angles)",
             "contact law": f"{options.law}, {problem.laws.inner.range}", "damping of a contact": problem.damping.words,
             **self.operation.mounting.rows, **self.step_rows(", halved where contacts rattle"),
-            "expected time": in_words("lagrange", self.expected_seconds),
-            "largest static forces": largest_loads(self.bearing, *largest, tilts=tilts),
+            **self.time_and_forces(forces["inner_force"], forces["outer_force"]),
         }  # fmt: skip
 
 
@@ -236,8 +229,7 @@ def make_plan(scene: Scene) -> LagrangianPlan:
     problem = Problem(
         bearing=bearing, operation=scene.ideal_operation(), laws=contact_laws(options.law, bearing),
         start=numerics.start, angles=options.angles, damping=scene.damping.contacts,
-        load_ramp=1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0, cage=scene.ideal_cage(),
-        axial=scene.ideal_axial(),
+        load_ramp=scene.load_ramp, cage=scene.ideal_cage(), axial=scene.ideal_axial(),
     )  # fmt: skip
     longest, sections = longest_step(problem), None
     if problem.damping.acts:  # contacts without dampers vibrate on after a strike

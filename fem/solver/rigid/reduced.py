@@ -12,22 +12,15 @@ import numpy as np
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.tilted import rounded_range, too_narrow
 from fem.kernels.lanes import WIDTH
-from fem.quantities import largest_loads
 from fem.solver import start as starts
-from fem.solver.compiling import in_words, pace
+from fem.solver.compiling import pace
 from fem.solver.limits import check_rollers, check_speed, check_widths, plan_warnings
 from fem.solver.parts import cage_seat, critical_with_cage, time_along_a_knot
 from fem.solver.rigid.plan import RigidPlan, sections_of
 from fem.solver.rigid.state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import may_strike, sample_count
-from fem.statics.exact_statics import (
-    ReducedBearing,
-    UnseenWaves,
-    reduced_bearing,
-    tangential_compliance,
-    unseen_waves,
-)
+from fem.statics.exact_statics import ReducedBearing, UnseenWaves, reduced_bearing, tangential_compliance, unseen_waves
 from lagrange import Operation
 from lagrange.axial.slices import MORE
 from lagrange.contact.hertz import contact_pairs
@@ -40,11 +33,11 @@ LEFT = 0.2  # of what a guess was off by, the most that sweeps may leave with it
 STIFFEST = 3.0  # times as stiff as under a LOAD_MARGIN-th of the force; the paper's bearing is 1.2 times
 
 
-def _softness_below(model: ReducedBearing, force: float) -> tuple[np.ndarray, float]:
+def _softness_below(model, force):
     """Of a roller's two contacts under a force, N; (2, 2), m/N; and the force, which is less where that is beyond
     Hertz and contacts would push one another in."""
 
-    def softness(pressed: float) -> np.ndarray:
+    def softness(pressed):
         inner, outer = (float(law.softness(pressed)) for law in model.laws)
         return np.array([[inner, model.across], [model.across, outer]])
 
@@ -117,16 +110,16 @@ class ReducedPlan(RigidPlan):
     lacks = "elastic waves, except the energy that impacts lose to them; warns if that matters"
 
     @property
-    def degrees_of_freedom(self) -> int:
+    def degrees_of_freedom(self):
         """Two of the hub, three of each roller; tilts and two of a hub's free slope."""
         n, axial = self.bearing.n_rollers, self.axial
         return 2 + 3 * n + (0 if axial is None else n + 2 * axial.has_free_slope)
 
     @property
-    def expected_seconds(self) -> float:
+    def expected_seconds(self):
         return pace("reduced") * SECONDS_PER_LANES * ceil(self.bearing.n_rollers / WIDTH) * self.steps
 
-    def static_hub(self) -> np.ndarray:
+    def static_hub(self):
         return starts.standing_hub(self.model, self.operation)
 
     def reaching(self, times: int) -> "ReducedPlan":
@@ -137,25 +130,20 @@ class ReducedPlan(RigidPlan):
         start = starts.tilted_start(self.model, self.operation, self.axial, tables, self.start)
         return replace(self, tables=tables, start=start)
 
-    def too_far(self, times: int) -> str | None:
+    def too_far(self, times):
         axial, bearing = self.axial, self.bearing
         if axial is None or not axial.coupling:
             return None
         force = MORE * rounded_range(times * self.largest_force, 0.0)[0]
         return too_narrow(bearing, axial, max(pair.half_width(force) for pair in contact_pairs(bearing)[:2]))
 
-    def first_state(self) -> ReducedState:
+    def first_state(self):
         return ReducedState(self)
 
-    def rows(self) -> dict[str, str]:
-        largest = self.start.inner_force.max(), self.start.outer_force.max()
-        return {
-            "degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies without mass",
-            **self.operation.mounting.rows,
-            **self.step_rows(),
-            "expected time": in_words("reduced", self.expected_seconds),
-            "largest static forces": largest_loads(self.bearing, *largest, tilts=self.axial is not None),
-        }
+    def rows(self):
+        freedom = {"degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies without mass"}
+        of_start = self.time_and_forces(self.start.inner_force, self.start.outer_force)
+        return freedom | self.operation.mounting.rows | self.step_rows() | of_start
 
 
 def make_plan(scene: Scene) -> ReducedPlan:
@@ -179,7 +167,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     model = reduced_bearing(bearing, kinematics(bearing, *operation.ring_speeds), operation.gravity)
     fastest, damping, cage = fastest_kinematics(bearing, operation), scene.damping.contacts, scene.ideal_cage()
     loaded = starts.equilibrium_start(model, operation)
-    static = max(float(loaded.inner_force.max()), float(loaded.outer_force.max()))
+    static = float(loaded.forces.max())
     check_widths(bearing, static)
     load = operation.heaviest + operation.inner_mass * operation.gravity
     largest = max(static, 5.0 * load / bearing.n_rollers, 1.0)
@@ -201,7 +189,6 @@ def make_plan(scene: Scene) -> ReducedPlan:
         starts.check_slices(model, operation, axial, loaded)
         tables = starts.tables_of(bearing, operation, axial, model.laws, largest)
         start = starts.tilted_start(model, operation, axial, tables, start)
-    raceways = float(max(start.inner_force.max(), start.outer_force.max()))
     looks = ceil(steps / LONGEST_UNWATCHED)
     stride, sections = looks * ceil(steps / looks), None
     if damping.acts:  # contacts without dampers vibrate on after a strike
@@ -210,13 +197,13 @@ def make_plan(scene: Scene) -> ReducedPlan:
         stride = looks * sections.count * sections.near
     stored = model.contacts.inner_law.energy(loaded.inner_force).sum()
     stored += model.contacts.outer_law.energy(loaded.outer_force).sum()
-    warnings = plan_warnings(scene, model, operation, loaded, interval)
+    warnings = plan_warnings(scene, model, operation, loaded, interval, start.warning)
     return ReducedPlan(
         scene=scene, model=model, operation=operation, tangential=tangential,
         relaxation_factor=relaxation_factor(strongest_coupling(model, met)),
         waves=unseen_waves(bearing, operation.inner_mass),
         strikes=scene.cage is not None or may_strike(scene, bearing, operation), start=start, tables=tables,
-        largest_force=largest, seat=cage_seat(bearing, cage, start.angle, start.rho, start.hub, raceways),
+        largest_force=largest, seat=cage_seat(bearing, cage, start.angle, start.place, float(start.forces.max())),
         static_energy=float(stored), critical_time_step=critical, stride=stride, looks=looks, sections=sections,
-        n_samples=sample_count(scene), warnings=(*warnings, *(() if start.warning is None else (start.warning,))),
+        n_samples=sample_count(scene), warnings=warnings,
     )  # fmt: skip

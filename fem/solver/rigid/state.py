@@ -2,7 +2,6 @@
 
 import hashlib
 from abc import abstractmethod
-from collections.abc import Iterator
 from dataclasses import replace
 from math import inf, pi
 from typing import Any
@@ -24,10 +23,11 @@ from fem.solver import guards, parts
 from fem.solver.parts import filled
 from fem.solver.rigid.plan import RigidPlan, spalls_met
 from fem.solver.row_state import RowState, collect_arrays, row_width
-from fem.solver.solver import ROUND_OFF, Block, Numbers, Progress, Samples
+from fem.solver.solver import ROUND_OFF, Block, Numbers
+from fem.solver.start import Tables
 from fem.statics.exact_statics import ReducedBearing, neighbours_of
 from lagrange import Bearing, Operation
-from lagrange.axial import Axial, ContactTable, SpalledTable, contact_tables
+from lagrange.axial import Axial, contact_tables
 from lagrange.axial.slices import steepest_slope
 from lagrange.bearing import Cage
 from lagrange.contact.damping import ContactDamping
@@ -46,7 +46,6 @@ BODIES = {"inner_ring": paces.ON_INNER_RING, "outer_ring": paces.ON_OUTER_RING, 
           "outside": paces.OUTSIDE}  # fmt: skip
 CALM = 3e-5  # of the energy of load and strike: what a change to longer steps may miss
 STEADY = 4.0  # times what rollers on their circles have of that: less is no vibration
-Tables = tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]  # of inner and outer contacts
 Sides = tuple[np.ndarray | None, np.ndarray | None]  # (n_rollers,) each, of inner and outer contacts
 
 
@@ -124,7 +123,7 @@ def contact_forces(
     dampers = filled(kernels.ReducedDampers, sizes, law=damping) if damping.acts else None
     around = np.arange(-halo, n + halo) % n
 
-    def begun(name: str, group: tuple, sides: Sides) -> tuple:
+    def begun(name, group, sides):
         """With what contacts have at the start, and expect, where others do: in their guess."""
         for i, values in enumerate(sides):
             getattr(group, name)[i, :n] = values
@@ -181,7 +180,7 @@ def law_constants(law) -> kernels.PowerConstants | Law:
     raise TypeError(f"{type(law).__name__}: no compiled form of such a law; see `fem.kernels.rigid.contacts.law_force`")
 
 
-def _numbers(group: tuple) -> Iterator[np.ndarray]:
+def _numbers(group):
     """Every number of a tuple and of those in it, in order."""
     for entry in group:
         if isinstance(entry, tuple):
@@ -207,7 +206,7 @@ class RigidState(RowState):
     def start_arrays(self, plan) -> None:
         """Set bodies, contacts, their forces and the drive to a plan's start, by `assemble`."""
 
-    def begin(self) -> None:
+    def begin(self):
         self.plan = plan = self._whole.reaching(2 ** self.restarts["doublings"]).halved(self.restarts["halvings"])
         super().begin()
         self.start_arrays(plan)
@@ -237,7 +236,7 @@ class RigidState(RowState):
         raceway, step = bearing.inner_raceway_radius, plan.time_step
         self.drive = filled(ReducedDrive, {}, operation, **drive, dt=step, inner_radius=raceway)
 
-    def advance(self, most: int) -> Block:
+    def advance(self, most):
         block = super().advance(most)
         tables = () if self.contacts.tilted is None else self.contacts.tilted.tables
         if block.trouble is not None or (beyond := parts.beyond_tables(self.bodies.tilts, tables)) is None:
@@ -261,12 +260,12 @@ class RigidState(RowState):
         self.begin()
         return Block(samples=block.samples, restarts=why)
 
-    def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
+    def step_rows(self, first, stride, rows):
         moving = self.bodies, self.contacts, self.forces, self._before
         return advance_rigid(moving, self.drives, self.paces, first // stride, stride, rows)
 
     @property
-    def progress(self) -> Progress:
+    def progress(self):
         found = super().progress
         if self.paces is None:
             return found
@@ -276,26 +275,26 @@ class RigidState(RowState):
         return replace(found, steps=made, steps_left=left, speed=speed)
 
     @property
-    def outcome_attributes(self) -> dict[str, float | str]:
+    def outcome_attributes(self):
         found = super().outcome_attributes | {"time_step": self.plan.time_step}
         return found if self.paces is None else found | {"long_step": self.plan.long_step}
 
-    def named_arrays(self) -> dict[str, np.ndarray]:
+    def named_arrays(self):
         every = collect_arrays({"bodies": self.bodies, "forces": self.forces, "drive": self.drive})
         of_paces = {} if self.paces is None else {"paces.now": self.paces.now, "paces.made": self.paces.made}
         return {name: array for name, (array, given) in every.items() if not given} | of_paces
 
-    def digest(self) -> str:
+    def digest(self):
         # without surfaces, which follow from the scene that checkpoints hold
         waves, fixed = self.forces.radiation, self.contacts._replace(ring_profiles=(), roller_profiles=())
         fixed = fixed if waves is None else (*fixed, waves.inertia, waves.settling)
         return hashlib.sha256(np.concatenate([*_numbers(fixed)]).tobytes()).hexdigest()
 
-    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
+    def to_keep(self):
         arrays, numbers = super().to_keep()
         return arrays, numbers | self.restarts
 
-    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
+    def take_back(self, arrays, numbers):
         self.take_restarts(numbers)
         super().take_back(arrays, numbers)
 
@@ -324,13 +323,13 @@ class ReducedState(RigidState):
 
     most_halvings = 6
 
-    def begin(self) -> None:
+    def begin(self):
         super().begin()
         self.worst, self.hub_sums = np.zeros(1), np.zeros(6)  # J, the largest energy error of samples so far
 
-    def start_arrays(self, plan) -> None:
+    def start_arrays(self, plan):
         scene, model, start, operation, dt = plan.scene, plan.model, plan.start, plan.operation, plan.time_step
-        bearing, waves, axial, numerics = model.bearing, plan.waves, plan.axial, scene.numerics
+        bearing, waves, axial = model.bearing, plan.waves, plan.axial
         radial = np.array([np.cos(start.angle), np.sin(start.angle)])
         around = np.array([-radial[1], radial[0]])
         cage, half = start.kinematics.cage, 0.5 * dt if start.steady else 0.0
@@ -351,9 +350,8 @@ class ReducedState(RigidState):
             radiation = filled(kernels.Radiation, {"columns": bodies.columns}, **known)
         inner, roller = growths(bearing, kinematics(bearing, 1.0))
         growth = inner + roller, roller, outer_growth(bearing, kinematics(bearing, 0.0, 1.0))
-        ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
         history = parts.history_arrays(bearing, operation, growth)
-        drive = {"ramp": ramp, "friction": scene.friction_coefficient, "history": history}
+        drive = {"ramp": scene.load_ramp, "friction": scene.friction_coefficient, "history": history}
         self.assemble(
             plan, bodies, start.tilts, plan.tables, (start.inner_force, start.outer_force),
             (start.inner_moment, start.outer_moment), scene.damping.contacts, absent, drive, radiation,
@@ -362,7 +360,7 @@ class ReducedState(RigidState):
             coupling=coupling_of(model, plan.relaxation_factor, plan.tangential),
         )  # fmt: skip
 
-    def judged(self, block: Block) -> Block:
+    def judged(self, block):
         samples, lost = block.samples, block.trouble is not None
         if samples is not None and len(samples):
             lost = lost or self._loses_energy(samples)
@@ -375,7 +373,7 @@ class ReducedState(RigidState):
         reason = "the bearing comes apart" if self._came_apart else reason
         return self.restart(block, f"{reason} with steps of {1e6 * self.plan.time_step:.3g} µs")
 
-    def _loses_energy(self, samples: Samples) -> bool:
+    def _loses_energy(self, samples):
         """Whether the run's energy is, or by its end will be, off by more than LIMIT of what is exchanged.
 
         Before the end that is taken to grow in proportion to the time, from what the load stores in contacts at rest
@@ -397,7 +395,7 @@ class ReducedState(RigidState):
         return rate * slowest_vibration(self.plan.bearing) / max(float(self.largest.max()), 1e-30)
 
     @property
-    def warnings(self) -> tuple[str, ...]:
+    def warnings(self):
         found, plan, mounting = list(super().warnings), self.plan, self.plan.operation.mounting
         if (shock := self.shock) >= SHOCK:
             off = "tens of per cent" if shock > HARD_SHOCK else "several per cent"
@@ -417,12 +415,12 @@ class ReducedState(RigidState):
                 f"less than the contacts' forces ({100.0 * most / largest:.2g} % of the largest on the inner ring), "
                 f"and the momentum balance is off by as much; lower numerics.{key}"
             )
-        return tuple(sentence for sentence in found if sentence)
+        return tuple(filter(None, found))
 
-    def kept_arrays(self) -> dict[str, np.ndarray]:
+    def kept_arrays(self):
         return super().kept_arrays() | {"hub_sums": self.hub_sums, "worst": self.worst}
 
-    def check(self) -> None:
+    def check(self):
         bodies, n = self.bodies, self.bodies.n
         from_hub = np.hypot(*(bodies.centre[:, :n] - bodies.hub[:, None]))
         ring = STILL if bodies.housing is None else bodies.housing.place
@@ -453,12 +451,12 @@ class LagrangianState(RigidState):
 
     most_halvings = 3  # before a warning instead
 
-    def begin(self) -> None:
+    def begin(self):
         super().begin()
         self.judge = guards.Judge(self.plan.problem, self.plan.time_step)
         self.base = np.full(2, np.nan)  # J, from rows' kinetic and contacts' energy to those of the first sample
 
-    def start_arrays(self, plan) -> None:
+    def start_arrays(self, plan):
         problem, begin, dt, cage = plan.problem, plan.begin, plan.time_step, plan.scene.ideal_cage()
         bearing, operation, axial = problem.bearing, problem.operation, problem.axial
         n, mounting = bearing.n_rollers, operation.mounting
@@ -494,7 +492,7 @@ class LagrangianState(RigidState):
             inner=inner, outer=outer,
         )  # fmt: skip
 
-    def judged(self, block: Block) -> Block:
+    def judged(self, block):
         at_end = self.done == self.plan.n_samples and block.trouble is None
         if not (at_end or self._came_apart):
             return block
@@ -506,11 +504,11 @@ class LagrangianState(RigidState):
         # still worth having where contacts only rattle: see `notices`
         return block if too_fast is None else Block(samples=block.samples, trouble=too_fast)
 
-    def velocity_trouble(self, step: int, body: int, n_good: int) -> str:
+    def velocity_trouble(self, step, body, n_good):
         time = self.plan.interval * (self.done + n_good)
         return f"the motion overflowed by t = {time:.4g} s; lower time_step"
 
-    def sound_part(self, looked: Samples, trouble: str | None) -> tuple[int, str | None]:
+    def sound_part(self, looked, trouble):
         bearing = self.plan.bearing
         self.judge.meet(looked)
         self.imbalance = float(looked.relative_error()[-1])
@@ -523,7 +521,7 @@ class LagrangianState(RigidState):
         return in_place, trouble
 
     @property
-    def warnings(self) -> tuple[str, ...]:
+    def warnings(self):
         missed, passed_on = self.missed[0], self.passed_on[0]
         if missed > guards.ENERGY_TOLERANCE * passed_on:
             off = (
@@ -535,22 +533,22 @@ class LagrangianState(RigidState):
         return self.judge.warnings(self.largest)
 
     @property
-    def outcome_attributes(self) -> dict[str, float | str]:
+    def outcome_attributes(self):
         return super().outcome_attributes | {"critical_time_step": self.judge.critical_time_step}
 
     @property
-    def notices(self) -> tuple[str, ...]:
+    def notices(self):
         if not 0 < self.done == self.plan.n_samples or self.judge.too_fast is not None:
             return ()
         return () if (said := self.judge.rattling) is None else (said,)
 
-    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
+    def to_keep(self):
         if self.done <= 1:  # as `StartState` does, whose run may go on
             return {}, self.restarts
         arrays, numbers = super().to_keep()
         return arrays | {"to_first": self.base}, numbers | {"met": self.judge.met}
 
-    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
+    def take_back(self, arrays, numbers):
         if self.done > 1:
             super().take_back(arrays, numbers)
             self.base[:], met = arrays["to_first"], numbers["met"]
@@ -561,7 +559,7 @@ class LagrangianState(RigidState):
             self.done = 0
             super(RigidState, self).advance(1)
 
-    def read(self, rows: np.ndarray) -> Samples:
+    def read(self, rows):
         """Samples of rows: with the energy of what turns, held rollers exactly on their rays, and the start's own."""
         plan, problem, start = self.plan, self.plan.problem, self.plan.begin.samples
         time, first = plan.interval * np.arange(self.done, self.done + len(rows)), self.done == 0
@@ -591,7 +589,7 @@ class LagrangianState(RigidState):
             samples[name][0] = value[0]
         return samples
 
-    def _balance(self, samples: Samples) -> None:
+    def _balance(self, samples):
         """Forces of the laws at the samples' own places, and the hub's accelerations by these.
 
         Steps take forces a little ahead, and give the hub what keeps the energy where contacts open and close.

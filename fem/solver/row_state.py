@@ -204,13 +204,17 @@ class RowState(RunState):
 
     @property
     def warnings(self):
-        missed, passed_on = self.missed[0], self.passed_on[0]
-        off = (
-            f"the energy balance is off by up to {100.0 * missed / passed_on:.2g} % of what is exchanged "
-            f"({1e3 * passed_on:.3g} mJ): the motion may be off by as much; {self.plan.finer}"
+        found, missed, passed_on = (
+            guards.run_warnings(self.plan.bearing, self.largest),
+            self.missed[0],
+            self.passed_on[0],
         )
-        wide = guards.run_warnings(self.plan.bearing, self.largest)
-        return (*wide, off) if missed > guards.DOUBTFUL * passed_on else wide
+        if missed > guards.DOUBTFUL * passed_on:
+            found += (
+                f"the energy balance is off by up to {100.0 * missed / passed_on:.2g} % of what is exchanged "
+                f"({1e3 * passed_on:.3g} mJ): the motion may be off by as much; {self.plan.finer}",
+            )
+        return found
 
     def kept_arrays(self) -> dict[str, np.ndarray]:
         """What a checkpoint keeps, as views: the arrays of the loop and of all that watches them."""

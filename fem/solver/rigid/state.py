@@ -522,15 +522,14 @@ class LagrangianState(RigidState):
 
     @property
     def warnings(self):
-        missed, passed_on = self.missed[0], self.passed_on[0]
+        found, missed, passed_on = self.judge.warnings(self.largest), self.missed[0], self.passed_on[0]
         if missed > guards.ENERGY_TOLERANCE * passed_on:
-            off = (
+            found += (
                 f"the energy balance is off by up to {100.0 * missed / passed_on:.2g} % of the largest exchanged "
                 f"energy: the step of {1e6 * self.plan.time_step:.3g} µs is too long for impacts and dampers; single "
-                "impacts are off by as much"
+                "impacts are off by as much",
             )
-            return (*self.judge.warnings(self.largest), off)
-        return self.judge.warnings(self.largest)
+        return found
 
     @property
     def outcome_attributes(self):

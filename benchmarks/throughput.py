@@ -156,7 +156,7 @@ def _slip_and_friction(groups, rollers, surface, contacts, drive, still):
     """Normal forces' impulses on nodes, too: friction gives both at once."""
     lumped = drive.slowing == 0.0
     slips_before(groups, rollers, surface, contacts, still, lumped)
-    friction_contacts(groups, rollers, surface, contacts, drive, True)
+    friction_contacts(groups, rollers, surface, contacts, drive)
     slips_after(groups, rollers, surface, contacts, drive.dt, lumped)
 
 
@@ -179,13 +179,13 @@ def _rings_slow_waves(inner, outer, calming, dt):
 def _rings_kick_and_weight(inner, outer, cosines, sines, weight):
     for k, ring in enumerate((inner, outer)):
         rings.set_rigid(weight[k], 0, cosines[k], sines[k], 0.0, 1e-12)
-        table, u, w, first, last = ring
-        rings.kick_and_add(table, u, w, weight[k], first, last)
+        table, u, w, _, first, last = ring
+        rings.kick(table, u, w, weight[k], first, last)
 
 
 @njit
 def _rings_drift(inner, outer, radii, grown):
-    _, u, w, first, last = inner
+    _, u, w, _, first, last = inner
     rings.drift((u, w, w), radii, grown, 1e-12, (1.0, 1e-12), (first, last, -1))
     _, u, w, first, last = outer
     rings.drift_still(u, w, 1e-12, first, last)
@@ -193,7 +193,7 @@ def _rings_drift(inner, outer, radii, grown):
 
 def _rows(ring) -> tuple:
     """Parts of a ring that the kernels take: passing all of it would take longer than a small ring's kick."""
-    return ring.table, ring.u, ring.w, ring.first_row, ring.last_row
+    return ring.table, ring.u, ring.w, None, ring.first_row, ring.last_row
 
 
 @njit

@@ -244,7 +244,7 @@ def ring_path(omega, shape, body, dt, n_steps, mass):
     at, u, w, found = tuple(at), 1e-6 * shape, 0.5e-6 * dt * omega**2 * shape, []
     for _ in range(n_steps):
         found.append(u[at] / (1e-6 * shape[at]))
-        compiled.kick_ring(table, u, w, 1, body.n_rows)
+        compiled.kick_ring(table, u, w, None, 1, body.n_rows)
         compiled.wrap_all(w)
         compiled.move_slowed_ring(table, u, w, mass, dt, (1, body.n_rows), body.raceway_row)
     return np.array(found)

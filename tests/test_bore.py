@@ -9,14 +9,14 @@ from numpy.testing import assert_allclose
 
 from fem.commands.run_fem import run_main
 from fem.contacts.critical_step import FINELY, critical_time_step
-from fem.contacts.points import ring_patch_force
+from fem.contacts.points import patch_force
 from fem.elastic.outer_support import FEWEST, LooseRing, bored_ring, supported_ring
 from fem.elastic.reciprocal_mass import SECOND
 from fem.kernels.columns import CONTACT, ELASTIC, KINETIC
 from fem.kernels.elements import bodies, rings
 from fem.kernels.elements.bodies import ARC, AX, PLACE_X, PLACE_Y
 from fem.kernels.elements.rings import HALO
-from fem.kernels.elements.samples import _changes, _copy, _ring_elastic, _ring_strain_power
+from fem.kernels.elements.samples import _changes, _copy, _ring_power
 from fem.kernels.jit import OPTIONS
 from fem.kernels.mounts import Housing as HousingBody
 from fem.solver.elements.arrays import bore_body, equilibrium_start, ring_nodes, rolling_motion
@@ -95,7 +95,7 @@ def test_a_bore_without_a_stiffness_is_a_thick_wall_of_the_rings_steel():
 def test_the_load_zone_of_a_ring_with_play_is_that_of_an_exact_ring(play, wall):
     """Pressures and displacement against quadratic elements on a one-sided bed; the mesh is 0.8 % too stiff."""
     body = in_bore(8, 2.0 * play, wall * WALL)
-    found = body.rested(sum(force * ring_patch_force(body, angle) for angle, force in BEARING_LOADS))
+    found = body.rested(sum(force * patch_force(body, angle) for angle, force in BEARING_LOADS))
     spline = zip(2.0 * np.pi / body.n_sectors * np.arange(-1, 2), [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], strict=True)
     forces = [(INNER, angle + off, share * f / LENGTH) for off, share in spline for angle, f in BEARING_LOADS]
     pressure, moved = (of[::2] for of in ring_in_bore((INNER, OUTER), STEEL, wall * WALL, play, forces, 256))
@@ -124,7 +124,7 @@ def test_a_ring_pinched_in_a_wide_bore_is_the_exact_one():
 def test_what_rests_in_a_bore_is_in_balance():
     """Bore, loads and weight: no node is left with a force but the loose springs', none turns the ring."""
     body = in_bore(3, 30e-6)
-    load = 400.0 * ring_patch_force(body, -1.3) + 300.0 * ring_patch_force(body, -2.2)
+    load = 400.0 * patch_force(body, -1.3) + 300.0 * patch_force(body, -2.2)
     found, left = body.rested(load), load.copy()
     left[-1, 0] -= body.pressure_forces(found)
     assert np.abs(left - body.force(found)).max() < 1e-4 and abs(found[-1, 1].mean()) < 1e-15
@@ -165,17 +165,17 @@ def live(ring, bore, housing, drive, room, line, rows, stride):
         row = rows[i // stride]
         if i % stride == 0:
             _copy(ring.w, room)
-        rings.kick(ring.table, ring.u, ring.w, ring.first_row, ring.last_row)
+        rings.kick(ring.table, ring.u, ring.w, None, ring.first_row, ring.last_row)
         bodies.kick_body(bore, drive)
         bodies.kick_body(housing, drive)
         rings.wrap_all(ring.w)
         bodies.slow_body(bore, drive)
         if i % stride == 0:
-            slowed = drive.slowing / drive.dt * _ring_strain_power(ring, room, line)
+            slowed = drive.slowing / drive.dt * _ring_power(ring, ring.calmed, room, line)
             row[KINETIC] = 0.5 * (_changes(ring, room)[1] + slowed)
             bodies.write_body(bore, drive, row)
             bodies.write_body(housing, drive, row)
-            row[ELASTIC] = 0.5 * _ring_elastic(ring, room, drive.dt)
+            row[ELASTIC] = -0.5 * _ring_power(ring, ring.u, ring.u, line) / drive.dt
         rings.find_velocities(ring.slowed, ring.calmed, ring.w, ring.v, drive.dt, ring.raceway)
         motion, places = (ring.u, ring.w, ring.v), (ring.first_row, ring.last_row, ring.raceway)
         rings.drift_slowed(ring.slowed, motion, ring.calmed, drive.dt, places)

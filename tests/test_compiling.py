@@ -17,8 +17,8 @@ from fem.commands.run_fem import run_main
 from fem.contacts.critical_step import critical_time_step, next_rung
 from fem.interface import simulate
 from fem.kernels import numba_private
-from fem.kernels.jit import KernelCache, kernel, part
-from fem.kernels.part_compiler import KernelCompiler, PartCompiler
+from fem.kernels.jit import KernelCache, PartCompiler, kernel, part
+from fem.kernels.part_compiler import KernelCompiler
 from fem.solver import compiling
 from fem.solver.compiling import seconds_by_trial
 from fem.solver.elements import plan as elements

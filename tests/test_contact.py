@@ -419,7 +419,7 @@ def test_tractions_push_the_nodes_that_the_springs_are_calibrated_with():
     }
     for name, kind, turn in (("inner", INNER, rubbed.drive.frame[0]), ("outer", OUTER, 0.0)):
         body, angle = getattr(whole, f"{name}_ring"), np.arctan2(*patches.normal[kind, ::-1, :13]) - turn
-        pushes = (T * points.ring_patch_traction(body, a) for T, a in zip(traction[kind, :13], angle, strict=True))
+        pushes = (T * points.patch_traction(body, a) for T, a in zip(traction[kind, :13], angle, strict=True))
         found = gained[name][:, :, HALO:-HALO] * (body.row_mass / DT)[:, None, None]
         within(found, -sum(pushes), 1e-8 * scale)
     wanted = np.zeros((13, 2 * whole.roller.n_nodes))
@@ -428,7 +428,7 @@ def test_tractions_push_the_nodes_that_the_springs_are_calibrated_with():
             around = -traction[kind, j] * (-1.0 if kind == OUTER else 1.0)
             for i, row in [(j, 4), ((j + 1) % 13, 5)] if kind == ROLLER else [(j, 2 * kind + 1)]:
                 at = np.arctan2(*patches.outward[row, ::-1, j])
-                wanted[i] += around * points.disc_patch_traction(whole.roller, at)
+                wanted[i] += around * points.patch_traction(whole.roller, at)
     found = roller_field(rubbed, gained["disc"]) * rubbed.bodies.disc.mass[:, None, None] / DT
     within(np.moveaxis(found, 2, 0).reshape(13, -1), wanted, 1e-8 * scale)
 

@@ -52,7 +52,7 @@ def dense_disc(body, springs=()):
     """M⁻¹K and Σ 2k M⁻¹ f fᵀ, symmetric."""
     stiffness, pressed = body.stiffness.toarray(), np.zeros(body.stiffness.shape)
     for j, both in enumerate(springs):
-        for spring, force in zip(both, (points.disc_patch_force, points.disc_patch_traction), strict=True):
+        for spring, force in zip(both, (points.patch_force, points.patch_traction), strict=True):
             patch = force(body, 2.0 * np.pi * j / len(springs))
             pressed += 2.0 * spring * np.outer(patch, patch)
     scale = 1.0 / np.sqrt(np.repeat(body.mass, 2))
@@ -66,7 +66,7 @@ def dense_ring(body, springs=(0.0, 0.0)):
     free = (2 * node[:, None] + np.arange(2)).ravel()
     scale = 1.0 / np.sqrt(np.repeat(body.row_mass[body.free_rows], 2 * body.n_sectors))
     pressed = np.zeros((free.size, free.size))
-    for spring, force in zip(springs, (points.ring_patch_force, points.ring_patch_traction), strict=True):
+    for spring, force in zip(springs, (points.patch_force, points.patch_traction), strict=True):
         patch = scale * body.cartesian(force(body, 0.0)).ravel()[free]
         pressed += 2.0 * spring * np.outer(patch, patch)
     return scale[:, None] * stiffness[np.ix_(free, free)] * scale, pressed
@@ -181,7 +181,7 @@ def leapfrog_ring(body, dt, n_steps, mass):
     compiled.wrap_all(u)
     w, start = np.zeros_like(u), np.abs(u).max()
     for _ in range(n_steps):
-        compiled.kick_ring(table, u, w, first, last)
+        compiled.kick_ring(table, u, w, None, first, last)
         compiled.wrap_all(w)
         compiled.move_slowed_ring(table, u, w, mass, dt, (first, last), body.raceway_row)
     return np.abs(u).max() / start

@@ -12,7 +12,6 @@ from numpy.testing import assert_allclose
 from scipy.linalg import block_diag, eigh
 from scipy.optimize import brentq
 
-import fem.kernels.lane_functions  # noqa: F401  # teaches kernels numpy's functions of lanes
 from fem.commands.run_fem import run_main
 from fem.contacts import points, subgrid
 from fem.contacts.critical_step import critical_time_step
@@ -23,7 +22,6 @@ from fem.elastic.reciprocal_mass import LUMPED, THIRD
 from fem.kernels import columns
 from fem.kernels.elements.loop import advance
 from fem.kernels.jit import KernelCache, PartCache, every, kernel, part
-from fem.kernels.lanes import load, store
 from fem.kernels.law import ripple_at
 from fem.kernels.mounts import NOT_FINITE
 from fem.kernels.part_compiler import WHOLE, fields_used, shifted
@@ -375,7 +373,7 @@ def test_the_step_limit_holds_for_a_rigid_roller_between_elastic_rings(density):
         unit = np.eye(free.size)[free.ravel()]
         stiffness = np.array([body.force(u.reshape(free.shape))[free] for u in unit])
         parts.append((stiffness, np.broadcast_to(body.row_mass[:, None, None], free.shape)[free]))
-        pushes.append(points.ring_patch_force(body, 0.3)[free])
+        pushes.append(points.patch_force(body, 0.3)[free])
     stiffness = block_diag(*(matrix for matrix, _ in parts), np.zeros((1, 1)))
     mass, first = np.concatenate([*(mass for _, mass in parts), [hard.roller.total_mass]]), 0
     for push, name in zip(pushes, laws, strict=True):
@@ -521,7 +519,7 @@ def test_one_function_serves_scenes_with_a_part_and_without_it(not_kept, brake, 
 
 
 def test_a_question_that_the_reader_of_fields_does_not_see_is_no_silent_no(not_kept, monkeypatch):
-    monkeypatch.setattr("fem.kernels.part_compiler.fields_used", lambda function: ({"wheel": WHOLE},))
+    monkeypatch.setattr("fem.kernels.jit.fields_used", lambda function: ({"wheel": WHOLE},))
 
     @part
     def is_free(car):
@@ -533,30 +531,6 @@ def test_a_question_that_the_reader_of_fields_does_not_see_is_no_silent_no(not_k
 
     with pytest.raises(TypeError, match="fields_used does not see"):
         ask(Car(Wheel(np.zeros(1), 0.5), None))
-
-
-@part
-def law(force, stiffness):
-    """With every function that laws may use."""
-    soft = np.minimum(np.exp(-force), 1.0) + np.log(stiffness) * np.abs(force - 3.0)
-    return np.where(force > 2.0, np.sqrt(stiffness) * soft, np.maximum(force, 0.5))
-
-
-@kernel
-def of_eight(force, stiffness, out):
-    store(out, 0, law(load(force, 0), load(stiffness, 0)))
-
-
-@kernel
-def of_one(force, stiffness):
-    return law(force, stiffness)
-
-
-def test_a_law_is_the_same_of_arrays_of_one_contact_and_of_eight():
-    force, stiffness, out = np.linspace(0.1, 6.0, 8), np.geomspace(1.0, 1e9, 8), np.empty(8)
-    of_eight(force, stiffness, out)
-    assert out == pytest.approx(law(force, stiffness), rel=1e-12)
-    assert [of_one(*pair) for pair in zip(force, stiffness, strict=True)] == pytest.approx(out, rel=1e-12)
 
 
 # The contact law below the grid: finite elements plus law give the exact approach wherever the contact sits
@@ -598,7 +572,7 @@ def test_a_held_ring_has_the_exact_approach_at_every_position_and_where_it_stick
     b = law.pair.half_width(force)
     for position in (0.0, 0.19, 0.5, 7.7, body.n_sectors - 0.4):
         angle = 2.0 * np.pi * position / body.n_sectors
-        load, along = points.ring_patch_force(body, angle), points.ring_patch_traction(body, angle)
+        load, along = points.patch_force(body, angle), points.patch_traction(body, angle)
         grid = np.vdot(load, body.held(load)) + ripple_at(np.mod(position, 1.0), surface.ripple)[0]
         # b differs fourfold from the calibration's; O(b/R)
         exact = hertz_approach(body.section, b) / LENGTH * force
@@ -618,7 +592,7 @@ def missing_shear(surface, radius, force):
 def test_a_disc_that_sticks_has_the_exact_tangential_compliance_at_every_position(layers):
     body = kit.disc(RADIUS, layers)
     surface, n = surface_of(body), body.shape.surface_nodes
-    loads = [points.disc_patch_traction(body, 2.0 * np.pi * p * layers / 5.0 / n) for p in POSITIONS]
+    loads = [points.patch_traction(body, 2.0 * np.pi * p * layers / 5.0 / n) for p in POSITIONS]
     for force in (30.0, 628.0):
         b = law_on_rigid(surface, RADIUS).pair.half_width(force)
         exact, below = stick_approach(body.section, b) / LENGTH, missing_shear(surface, RADIUS, force)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from scipy import sparse
 
-from fem.contacts.points import POINTS_PER_NODE, PointLaw, Shares, disc_push, hertz_patch, points, ring_push
+from fem.contacts.points import POINTS_PER_NODE, Shares, hertz_patch, points, push
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, rigid_body, ring_body
 from fem.kernels.columns import INNER, OUTER
 from fem.kernels.elements.state import Points
@@ -78,7 +78,7 @@ class Reduced:
     free: Unloaded
     across: np.ndarray  # (n_points,), m, from the line of centres along the tangent
     bodies: tuple[DiscBody, RingBody, RingBody]  # roller, inner and outer ring
-    loads: list  # per ring and roller: (points, nodes, (2 nodes, points) nodal forces of unit forces)
+    loads: list  # per ring and roller: points, `surface_places` of nodes, (2 nodes, points) forces of unit forces there
 
     def sums(self, forces: np.ndarray) -> np.ndarray:
         """Forces of contacts, (2 n_rollers,), N, by those of points."""
@@ -87,15 +87,15 @@ class Reduced:
     def fields(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Displacements under the points' forces, N: both rings', polar, and the rollers', (n_rollers, n_nodes, 2)."""
         (disc, *rings), free, fields = self.bodies, (self.free.inner_growth, self.free.outer_sag), []
-        for ring, growth, (mine, nodes, push) in zip(rings, free, self.loads, strict=False):
+        for ring, growth, (mine, places, pushed) in zip(rings, free, self.loads, strict=False):
             nodal = np.zeros((ring.n_rows, 2, ring.n_sectors))
-            nodal[ring.raceway_row][:, nodes] = -(push @ forces[mine]).reshape(-1, 2).T
+            nodal.reshape(-1)[places] = -(pushed @ forces[mine])
             fields.append(growth + ring.held(nodal))
         n = len(self.loads) - 2
-        nodal = np.zeros((disc.n_nodes, 2, n))
-        for roller, (mine, nodes, push) in enumerate(self.loads[2:]):
-            nodal[disc.first_surface_node + nodes, :, roller] = -(push @ forces[mine]).reshape(-1, 2)
-        rollers = disc.relaxed(nodal.reshape(-1, n)) + self.free.roller_growth[:, None]
+        nodal = np.zeros((2 * disc.n_nodes, n))
+        for roller, (mine, places, pushed) in enumerate(self.loads[2:]):
+            nodal[places, roller] = -(pushed @ forces[mine])
+        rollers = disc.relaxed(nodal) + self.free.roller_growth[:, None]
         return *fields, rollers.T.reshape(n, -1, 2).copy()
 
 
@@ -194,8 +194,8 @@ class Model:
         on_ring = line[contact] + angles[0] - turn[kind]
         on_roller = line[contact] + np.where(kind == INNER, pi - angles[1], angles[1]) - motion.roller_turn[j]
         rise = np.sum(radii * (1.0 - np.cos(angles)), axis=0)
-        sectors = np.array([ring.n_sectors for ring in rings])[kind]
-        for side, (angle, nodes) in enumerate(((on_ring, sectors), (on_roller, disc.shape.surface_nodes))):
+        sectors = np.array([ring.n_surface for ring in rings])[kind]
+        for side, (angle, nodes) in enumerate(((on_ring, sectors), (on_roller, disc.n_surface))):
             depth = np.array([getattr(law, "sagitta", (0.0, 0.0))[side] for law in self.laws])[kind]
             if depth.any():  # how far facets lie below the circle
                 rise += depth * np.array([chord(x)[0] for x in np.mod(angle * nodes / (2.0 * pi), 1.0)])
@@ -204,20 +204,20 @@ class Model:
             mine = np.flatnonzero(contact == c)
             compliance[np.ix_(mine, mine)] = self.beside(c // n, on_ring[mine], on_roller[mine])
 
-        def load(mine: np.ndarray, body, pushed: tuple[np.ndarray, np.ndarray], field: np.ndarray) -> None:
-            nodes, push = pushed
-            compliance[np.ix_(mine, mine)] += push.T @ body.surface_influence(nodes) @ push
-            growth[mine] += push.T @ field[nodes].ravel()
-            loads.append((mine, nodes, push))
+        def load(mine: np.ndarray, body, angle: np.ndarray, size: np.ndarray, field: np.ndarray) -> None:
+            nodes, pushed = push(body, angle[mine], size, self.shares)
+            places = body.surface_places(nodes)
+            compliance[np.ix_(mine, mine)] += pushed.T @ body.surface_influence(nodes) @ pushed
+            growth[mine] += pushed.T @ field.ravel()[places]
+            loads.append((mine, places, pushed))
 
         for k, (ring, field) in enumerate(zip(rings, (free.inner_growth, free.outer_sag), strict=True)):
             mine = np.flatnonzero(kind == k)
             outward = (1.0 if k == INNER else -1.0) / np.cos(angles[0, mine])
-            load(mine, ring, ring_push(ring, on_ring[mine], outward, self.shares), field[ring.raceway_row].T)
-        swelling = free.roller_growth.reshape(-1, 2)[disc.first_surface_node :]
+            load(mine, ring, on_ring, outward, field)
         for roller in range(n):
             mine = np.flatnonzero(j == roller)
-            load(mine, disc, disc_push(disc, on_roller[mine], 1.0 / np.cos(angles[1, mine]), self.shares), swelling)
+            load(mine, disc, on_roller, 1.0 / np.cos(angles[1, mine]), free.roller_growth)
         return Reduced(
             contact=contact, closing=growth - rise, compliance=compliance, across=across, bodies=(disc, *rings),
             loads=loads, free=free,
@@ -229,30 +229,27 @@ class Model:
         A roller has one contact of each kind, apart from each other. Of points those over CLOSED_NODES nodes. Where
         contacts stick, their tangential springs too, if the model has such.
         """
-        disc, half, on_roller, found = self.roller, POINTS_PER_NODE * CLOSED_NODES // 2, [], {}
+        half = POINTS_PER_NODE * CLOSED_NODES // 2
 
-        def embedded(push: np.ndarray, first: np.ndarray, apart: int, size: int, law: PointLaw) -> sparse.csc_matrix:
-            """Two components per node, `apart` from each other, put to their places among all degrees of freedom."""
-            rows = np.stack([first, first + apart], axis=1).ravel()
-            place = sparse.csc_matrix((np.ones(rows.size), (rows, np.arange(rows.size))), shape=(size, rows.size))
-            own = np.linalg.inv(law.local_compliance(push.shape[1]))
-            return place @ sparse.csc_matrix(push @ np.linalg.cholesky(EVENLY * own))
+        def on(body: DiscBody | RingBody, kind: int, angle: float = 0.0) -> sparse.csc_matrix:
+            """A contact's, at an angle of a body."""
+            law = self.laws[kind]
+            nodes, pushed = push(body, angle + law.places(half) / body.section.loaded, 1.0, self.shares)
+            found = sparse.lil_matrix((body.points.size, pushed.shape[1]))
+            own = np.linalg.inv(law.local_compliance(pushed.shape[1]))
+            found[body.surface_places(nodes)] = pushed @ np.linalg.cholesky(EVENLY * own)
+            return found.tocsc()
 
-        for kind, law in enumerate(self.laws):
-            angle = law.places(half) / disc.shape.radius + 2.0 * pi * kind / 3.0
-            nodes, push = disc_push(disc, angle, 1.0, self.shares)
-            on_roller.append(embedded(push, 2 * (disc.first_surface_node + nodes), 1, 2 * disc.n_nodes, law))
-        for name, law in (("inner_ring", self.inner_law), ("outer_ring", self.outer_law)):
-            ring = getattr(self, name)
-            nodes, push = ring_push(ring, law.places(half) / ring.raceway_radius, 1.0, self.shares)
-            first = ring.raceway_row * 2 * ring.n_sectors + nodes
-            found[name] = embedded(push, first, ring.n_sectors, 2 * ring.n_rows * ring.n_sectors, law)
-        return {"roller": sparse.hstack(on_roller).tocsc()} | found
+        on_roller = [on(self.roller, kind, 2.0 * pi * kind / 3.0) for kind in range(3)]
+        return {
+            "roller": sparse.hstack(on_roller).tocsc(), "inner_ring": on(self.inner_ring, INNER),
+            "outer_ring": on(self.outer_ring, OUTER),
+        }  # fmt: skip
 
     def kernel_data(self, largest_force: float) -> KernelData:
         """What the time loop needs; with room for contacts wider than the largest static force, N, makes them."""
         found, pairs = points(self.laws, largest_force, self.bearing.n_rollers), [law.pair for law in self.laws]
-        nodes = self.inner_ring.n_sectors, self.outer_ring.n_sectors, self.roller.shape.surface_nodes
+        nodes = self.inner_ring.n_surface, self.outer_ring.n_surface, self.roller.n_surface
         places = zip(((INNER, 0), (OUTER, 0), (INNER, 1)), nodes, strict=True)
         widest = max(np.abs(found.shift[at]).max() * count / pi for at, count in places)
         # as many entries as patches need units of six nodes: a power of two, as each is compiled for itself

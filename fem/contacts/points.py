@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from math import ceil, pi
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -33,49 +33,35 @@ def patch(n_surface: int, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndar
     return nodes % n_surface, weight, (position - nodes) * (2.0 * pi / n_surface)
 
 
-def ring_patch_force(ring: RingBody, angle: float) -> np.ndarray:
-    """Nodal forces (n_rows, 2, n_sectors) of a unit force along the outward radius at `angle` of the raceway."""
-    nodes, weight, offset = patch(ring.n_sectors, angle)
-    force = np.zeros((ring.n_rows, 2, ring.n_sectors))
-    np.add.at(force, (ring.raceway_row, 0, nodes), weight * np.cos(offset))
-    np.add.at(force, (ring.raceway_row, 1, nodes), weight * np.sin(offset))
-    return force
+def patch_force(body: DiscBody | RingBody, angle: float) -> np.ndarray:
+    """Nodal forces of a unit force along the outward radius at an angle of the surface, as all nodes' vectors are.
+
+    Of a ring (n_rows, 2, n_sectors), polar, of a disc (2 n_nodes,).
+    """
+    nodes, weight, offset = patch(body.n_surface, angle)
+    return _on_surface(body, nodes, weight * np.stack([np.cos(offset), np.sin(offset)]), angle - offset)
 
 
-def disc_patch_force(disc: DiscBody, angle: float) -> np.ndarray:
-    """Nodal forces (2 n_nodes,) of a unit force along the outward radius at `angle` of the surface."""
-    nodes, weight, _ = patch(disc.shape.surface_nodes, angle)
-    force = np.zeros((disc.n_nodes, 2))
-    np.add.at(force, disc.first_surface_node + nodes, np.outer(weight, [np.cos(angle), np.sin(angle)]))
-    return force.ravel()
-
-
-def _tangential(weight: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """Shares of a unit traction that the nodes of a patch carry, radial and counter-clockwise, (2, 6).
+def patch_traction(body: DiscBody | RingBody, angle: float) -> np.ndarray:
+    """The same of a unit traction counter-clockwise along the surface.
 
     See `fem.kernels.elements.surfaces`: exact for the force and for its moment.
     """
+    nodes, weight, offset = patch(body.n_surface, angle)
     c, s = np.cos(offset), np.sin(offset)
     slope, scale = -weight @ s, 1.0 / (1.0 + weight @ c)
-    return weight * scale * np.stack([slope * c - s, 1.0 + c + slope * s])
+    return _on_surface(body, nodes, weight * scale * np.stack([slope * c - s, 1.0 + c + slope * s]), angle - offset)
 
 
-def ring_patch_traction(ring: RingBody, angle: float) -> np.ndarray:
-    """Nodal forces (n_rows, 2, n_sectors) of a unit traction counter-clockwise along the raceway at `angle`."""
-    nodes, weight, offset = patch(ring.n_sectors, angle)
-    force = np.zeros((ring.n_rows, 2, ring.n_sectors))
-    np.add.at(force[ring.raceway_row], (slice(None), nodes), _tangential(weight, offset))
+def _on_surface(body: DiscBody | RingBody, nodes: np.ndarray, polar: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Forces of surface nodes at some angles, (2, m), radial and counter-clockwise, among those of all nodes."""
+    if isinstance(body, RingBody):
+        force = np.zeros((body.n_rows, 2, body.n_sectors))
+    else:
+        force, c, s = np.zeros(2 * body.n_nodes), np.cos(at), np.sin(at)
+        polar = np.stack([polar[0] * c - polar[1] * s, polar[0] * s + polar[1] * c])
+    np.add.at(force.reshape(-1), body.surface_places(nodes), polar.T.ravel())
     return force
-
-
-def disc_patch_traction(disc: DiscBody, angle: float) -> np.ndarray:
-    """Nodal forces (2 n_nodes,) of a unit traction counter-clockwise along the surface at `angle`."""
-    nodes, weight, offset = patch(disc.shape.surface_nodes, angle)
-    radial, around = _tangential(weight, offset)
-    c, s = np.cos(angle - offset), np.sin(angle - offset)
-    force = np.zeros((disc.n_nodes, 2))
-    np.add.at(force, disc.first_surface_node + nodes, np.stack([radial * c - around * s, radial * s + around * c], 1))
-    return force.ravel()
 
 
 def _shares(angle: np.ndarray, n_nodes: int, first: int, weigh: Callable) -> tuple[np.ndarray, np.ndarray]:
@@ -94,19 +80,16 @@ patches = partial(_shares, first=first_node(0), weigh=weights)  # of the patches
 hats = partial(_shares, first=0, weigh=lambda beyond: (1.0 - beyond, beyond))  # of the two nodes beside each instead
 
 
-def ring_push(ring: RingBody, angle: np.ndarray, size: np.ndarray, shares: Shares) -> tuple[np.ndarray, np.ndarray]:
-    """Raceway nodes and their polar forces under forces along the radius at angles: (m,), (2 m, n_angles)."""
-    nodes, share = shares(angle, ring.n_sectors)
-    off = angle[None, :] - (2.0 * pi / ring.n_sectors) * nodes[:, None]
-    push = np.stack([share * np.cos(off), share * np.sin(off)], axis=1) * size
-    return nodes, push.reshape(2 * nodes.size, -1)
+def push(
+    body: DiscBody | RingBody, angle: np.ndarray, size: np.ndarray | float, shares: Shares
+) -> tuple[np.ndarray, np.ndarray]:
+    """Surface nodes and their forces under forces along the outward radius at angles: (m,), (2 m, n_angles).
 
-
-def disc_push(disc: DiscBody, angle: np.ndarray, size: np.ndarray, shares: Shares) -> tuple[np.ndarray, np.ndarray]:
-    """Surface nodes and their forces under forces along the outward radius at angles: (m,), (2 m, n_angles)."""
-    nodes, share = shares(angle, disc.shape.surface_nodes)
-    push = np.stack([share * np.cos(angle), share * np.sin(angle)], axis=1) * size
-    return nodes, push.reshape(2 * nodes.size, -1)
+    Polar of a ring, x and y of a disc.
+    """
+    nodes, share = shares(angle, body.n_surface)
+    off = angle - (2.0 * pi / body.n_surface * nodes[:, None] if isinstance(body, RingBody) else 0.0)
+    return nodes, (np.stack([share * np.cos(off), share * np.sin(off)], axis=1) * size).reshape(2 * nodes.size, -1)
 
 
 def hertz_patch(
@@ -172,10 +155,3 @@ def points(laws: tuple[PointLaw, PointLaw, PointLaw], largest_force: float, n_ro
         sagitta=np.array([law.sagitta for law in laws]), stiffness=np.array([law.point_stiffness for law in laws]),
         spread=laws[INNER].spread(laws, n, n_rollers),
     )  # fmt: skip
-
-
-def surface_spacings(bodies: dict[str, Any]) -> dict[str, float]:
-    """Distance of surface nodes of each body, m."""
-    rings = {name: body for name, body in bodies.items() if name != "roller"}
-    of_rings = {name: 2.0 * pi * ring.raceway_radius / ring.n_sectors for name, ring in rings.items()}
-    return of_rings | {"roller": bodies["roller"].shape.surface_spacing}

@@ -23,17 +23,7 @@ from scipy.linalg import toeplitz
 
 from fem.contacts import ONE_PATCH
 from fem.contacts.model import Model, assembled_bodies, named
-from fem.contacts.points import (
-    POINTS_PER_NODE,
-    PointLaw,
-    disc_patch_force,
-    hats,
-    hertz_patch,
-    patch,
-    patches,
-    ring_patch_force,
-    surface_spacings,
-)
+from fem.contacts.points import POINTS_PER_NODE, PointLaw, hats, hertz_patch, patch, patch_force, patches
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.continuum import hertz_approach
 from fem.kernels.elements.state import Spread
@@ -45,6 +35,7 @@ from meshes import bearing_shapes, graded_shapes
 
 LAYER = 8.0  # stiffness of the layer times the surface spacing, over E*: see docs/crossover.md for what it costs
 COARSEST = 0.6  # surface spacing over the half-width of a contact to be resolved
+AGAINST = "inner_ring", "outer_ring", "roller"  # what a roller meets, by kind of contact
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,14 +69,14 @@ class ResolvedModel(Model):
     @classmethod
     def build(cls, bearing: Bearing, mesh_size: float, expected=None, contact=None) -> Model:
         bodies = assembled_bodies(bearing, graded_shapes(bearing, mesh_size))
-        return cls(bearing=bearing, **bodies, **named(resolved_laws(bearing, surface_spacings(bodies))))
+        return cls(bearing=bearing, **bodies, **named(resolved_laws(bearing, bodies)))
 
 
-def resolved_laws(bearing: Bearing, spacings: dict[str, float]) -> list[ResolvedLaw]:
-    """Laws by kind of contact; `spacings` of the surface nodes by body, m: the finer of two surfaces counts."""
+def resolved_laws(bearing: Bearing, bodies: dict[str, DiscBody | RingBody]) -> list[ResolvedLaw]:
+    """Laws by kind of contact; the finer of two surfaces counts."""
     found = []
-    for pair, body in zip(contact_pairs(bearing), ("inner_ring", "outer_ring", "roller"), strict=True):
-        spacing = min(spacings[body], spacings["roller"])
+    for pair, name in zip(contact_pairs(bearing), AGAINST, strict=True):
+        spacing = min(bodies[name].surface_spacing, bodies["roller"].surface_spacing)
         found.append(ResolvedLaw(pair=pair, layer=LAYER * pair.modulus / spacing, spacing=spacing / POINTS_PER_NODE))
     return found
 
@@ -143,7 +134,7 @@ class SpreadModel(ResolvedModel):
         """Mesh and assemble a bearing at a surface spacing, m; the largest static force of a contact in N."""
         bodies = assembled_bodies(bearing, graded_shapes(bearing, mesh_size))
         laws = []
-        for pair, name in zip(contact_pairs(bearing), ("inner_ring", "outer_ring", "roller"), strict=True):
+        for pair, name in zip(contact_pairs(bearing), AGAINST, strict=True):
             spacing = pair.half_width(largest_force) / POINTS_PER_HALF_WIDTH  # as dense as each one's width needs
             apart = spacing * np.arange(2 * SPAN * POINTS_PER_HALF_WIDTH)
             missing = sum(_missing_compliance(bodies[body], pair.length, apart) for body in (name, "roller"))
@@ -174,23 +165,17 @@ def _missing_compliance(body: DiscBody | RingBody, thickness: float, apart: np.n
 
 def _answer(body: DiscBody | RingBody, apart: np.ndarray) -> np.ndarray:
     """Mean motion of a patch at distances from a unit force, of a disc one of two opposite ones, m/N; over places."""
-    count, disc = PLACES_PER_NODE, isinstance(body, DiscBody)
+    disc, n = isinstance(body, DiscBody), body.n_surface
+    first = np.unique(np.arange(PLACES) * (n // body.shape.repeats) // PLACES) if disc else np.zeros(1)
+    angles = 2.0 * pi / n * (first[:, None] + np.arange(PLACES_PER_NODE) / PLACES_PER_NODE).ravel()
+    loads = np.stack([patch_force(body, angle) for angle in angles], axis=-1)
     if disc:
-        nodes, radius = body.shape.surface_nodes, body.shape.radius
-        first = np.unique(np.arange(PLACES) * (nodes // body.shape.repeats) // PLACES)
-    else:
-        nodes, radius, first = body.n_sectors, body.raceway_radius, np.zeros(1)
-    angles = 2.0 * pi / nodes * (first[:, None] + np.arange(count) / count).ravel()
-    if disc:
-        loads = [disc_patch_force(body, angle) + disc_patch_force(body, angle + pi) for angle in angles]
-        motion = body.relaxed(np.stack(loads, axis=-1)).reshape(body.n_nodes, 2, -1)[body.first_surface_node :]
-    else:
-        loads = [ring_patch_force(body, angle) for angle in angles]
-        motion = body.held(np.stack(loads, axis=-1))[body.raceway_row].swapaxes(0, 1)
-    found = np.zeros(apart.size)
+        loads += np.stack([patch_force(body, angle + pi) for angle in angles], axis=-1)
+    motion = (body.relaxed if disc else body.held)(loads).reshape(-1, angles.size)[body.surface_places(np.arange(n))]
+    motion, found = motion.reshape(n, 2, -1), np.zeros(apart.size)
     for k, angle in enumerate(angles):
-        for i, there in enumerate(angle + apart / radius):
-            on, weight, offset = patch(nodes, there)
+        for i, there in enumerate(angle + apart / body.section.loaded):
+            on, weight, offset = patch(n, there)
             turn = there if disc else offset
             found[i] += weight @ (motion[on, 0, k] * np.cos(turn) + motion[on, 1, k] * np.sin(turn))
     return found / angles.size
@@ -223,11 +208,13 @@ class PenaltyModel(Model):
     def of_stiffness(cls, bearing: Bearing, mesh_size: float, stiffness: float) -> Model:
         """Mesh and assemble a bearing at a surface spacing, m, with springs of a stiffness, N/m."""
         bodies, found = assembled_bodies(bearing, bearing_shapes(bearing, mesh_size)), []
-        spacings = surface_spacings(bodies)
-        for law, body in zip(resolved_laws(bearing, spacings), ("inner_ring", "outer_ring", "roller"), strict=True):
-            h, pair, spacing = (spacings[body], spacings["roller"]), law.pair, POINTS_PER_NODE * law.spacing
-            layer = stiffness / (spacing * pair.length)
-            sagitta = tuple(cls.facet * h[side] ** 2 / (8.0 * pair.radii[side]) for side in (0, 1))
+        for law, name in zip(resolved_laws(bearing, bodies), AGAINST, strict=True):
+            pair, spacing = law.pair, POINTS_PER_NODE * law.spacing
+            layer, sides = stiffness / (spacing * pair.length), (bodies[name], bodies["roller"])
+            sagitta = tuple(
+                cls.facet * side.surface_spacing**2 / (8.0 * radius)
+                for side, radius in zip(sides, pair.radii, strict=True)
+            )
             found.append(SpringLaw(pair=pair, layer=layer, spacing=spacing, sagitta=sagitta))
         return cls(bearing=bearing, **bodies, **named(found))
 

@@ -27,14 +27,7 @@ from scipy import sparse
 
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.model import EVENLY, LIGHT, KernelData, Model, assembled_bodies, named
-from fem.contacts.points import (
-    disc_patch_force,
-    disc_patch_traction,
-    patch,
-    patches,
-    ring_patch_force,
-    ring_patch_traction,
-)
+from fem.contacts.points import patch, patch_force, patch_traction, patches
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.cache import kept
 from fem.elastic.continuum import hertz_approach, roller_section, stick_approach
@@ -103,24 +96,22 @@ class SubgridModel(Model):
         """See `Model.beside`: the ripples of both surfaces."""
         rings = (self.inner_surface, self.inner_ring), (self.outer_surface, self.outer_ring)
         (surface, ring), found = rings[kind], np.zeros(on_ring.size)
-        roller = self.roller_surface, on_roller, self.roller.shape.surface_nodes
-        for ripple, angles, nodes in ((surface, on_ring, ring.n_sectors), roller):
+        roller = self.roller_surface, on_roller, self.roller.n_surface
+        for ripple, angles, nodes in ((surface, on_ring, ring.n_surface), roller):
             places = np.mod(angles * nodes / (2.0 * pi), nodes)
             found += [ripple_at(place, ripple.ripple)[0] for place in places]
         return np.diag(found)
 
     def springs(self, force: float, sticks: bool = False) -> dict[str, sparse.csc_matrix]:
         """See `Model.springs`: one on each patch, stiffer the larger the force; so are those of contacts that stick."""
-        rings, found = (self.inner_ring, self.outer_ring), {"roller": [], "inner_ring": [], "outer_ring": []}
-        ends = [LIGHT if self.roller.material.rigid or ring.material.rigid else EVENLY for ring in rings]
-        kinds = (self._normal(force), disc_patch_force, ring_patch_force), (
-            self._tangential(force), disc_patch_traction, ring_patch_traction,
-        )  # fmt: skip
-        for stiffness, on_disc, on_ring in kinds[: 1 + sticks]:
+        rings, found = {"inner_ring": self.inner_ring, "outer_ring": self.outer_ring}, {"roller": []}
+        ends = [LIGHT if self.roller.material.rigid or ring.material.rigid else EVENLY for ring in rings.values()]
+        kinds = (self._normal(force), patch_force), (self._tangential(force), patch_traction)
+        for stiffness, push in kinds[: 1 + sticks]:
             sizes = np.sqrt(np.array([*ends, EVENLY]) * stiffness)
-            found["roller"] += [size * on_disc(self.roller, 2.0 * pi * k / 3.0) for k, size in enumerate(sizes)]
-            for name, ring, size in zip(("inner_ring", "outer_ring"), rings, sizes, strict=False):
-                found[name].append(size * on_ring(ring, 0.0).ravel())
+            found["roller"] += [size * push(self.roller, 2.0 * pi * k / 3.0) for k, size in enumerate(sizes)]
+            for size, (name, ring) in zip(sizes, rings.items(), strict=False):
+                found.setdefault(name, []).append(size * push(ring, 0.0).ravel())
         return {name: sparse.csc_matrix(np.stack(columns, axis=1)) for name, columns in found.items()}
 
     def stiffnesses(self, force: float, sticks: bool) -> np.ndarray:
@@ -177,12 +168,10 @@ def surface_compliance(body: DiscBody | RingBody, thickness: float, half_width: 
     if body.material.rigid:
         return rigid_surface(half_width)
     if isinstance(body, DiscBody):
-        nodes, respond, section = body.shape.surface_nodes, body.relaxed, body.section.squeezed
-        push, pull, period = disc_patch_force, disc_patch_traction, nodes // body.shape.repeats
+        respond, section, period = body.relaxed, body.section.squeezed, body.n_surface // body.shape.repeats
     else:
-        nodes, respond, section = body.n_sectors, body.held, body.section
-        push, pull, period = ring_patch_force, ring_patch_traction, 1
-    angles = np.arange(period * KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / nodes)
+        respond, section, period = body.held, body.section, 1
+    angles = np.arange(period * KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / body.n_surface)
 
     def approaches(load: Callable, angles: np.ndarray, opposite: bool = False) -> np.ndarray:
         """Of the mesh's surface at unit loads, (n_angles,), m/N, each alone, or with one on the other side."""
@@ -194,9 +183,9 @@ def surface_compliance(body: DiscBody | RingBody, thickness: float, half_width: 
         return np.concatenate(found)
 
     places = angles[:: KNOTS_PER_NODE // PLACES_PER_NODE] if period > 1 else angles
-    sticking = stick_approach(body.section, half_width) / thickness - float(approaches(pull, places).mean())
+    sticking = stick_approach(body.section, half_width) / thickness - float(approaches(patch_traction, places).mean())
     exact = hertz_approach(section, half_width) / thickness
-    found, unit = approaches(push, angles, section.loads == 2), line_compliance(body.material, thickness)
+    found, unit = approaches(patch_force, angles, section.loads == 2), line_compliance(body.material, thickness)
     return _missing(exact, found, sticking, half_width, unit)
 
 

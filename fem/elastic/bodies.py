@@ -90,7 +90,9 @@ class DiscBody:
 
     n_nodes = property(lambda self: len(self.mass))
     section = property(lambda self: Section(self.shape.radius, 0.0, self.material))  # The circle itself, without a mesh
-    first_surface_node = property(lambda self: self.n_nodes - self.shape.surface_nodes)
+    n_surface = property(lambda self: self.shape.surface_nodes)
+    surface_spacing = property(lambda self: self.shape.surface_spacing)
+    first_surface_node = property(lambda self: self.n_nodes - self.n_surface)
     total_mass = property(lambda self: float(self.mass.sum()))
     polar_inertia = property(lambda self: float(self.mass @ np.sum(self.points**2, axis=1)))  # Σ m |X|², kg m²
 
@@ -128,13 +130,18 @@ class DiscBody:
 
     _responses = cached_property(lambda self: {})  # motion of all surface nodes by unit forces, by blocks of these, m/N
 
+    def surface_places(self, nodes: np.ndarray) -> np.ndarray:
+        """Places of both components of surface nodes, (2 m,), in a vector of all nodes'."""
+        return (2 * (self.first_surface_node + np.asarray(nodes))[:, None] + np.arange(2)).ravel()
+
     def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
         """Compliance between surface nodes, (2 m, 2 m), m/N, of the freely accelerating disc; x and y of each node."""
-        dofs, first = (2 * np.asarray(nodes)[:, None] + np.arange(2)).ravel(), 2 * self.first_surface_node
+        first = 2 * self.first_surface_node
+        dofs = self.surface_places(nodes) - first
         blocks, found, known = dofs // RESPONSES, np.empty((len(dofs), len(dofs))), self._responses
         for block in np.unique(blocks).tolist():
             if block not in known:  # solved by the block, and therefore the same bits whatever was asked for before
-                pushed = np.arange(block * RESPONSES, min((block + 1) * RESPONSES, 2 * self.shape.surface_nodes))
+                pushed = np.arange(block * RESPONSES, min((block + 1) * RESPONSES, 2 * self.n_surface))
                 force = np.zeros((2 * self.n_nodes, len(pushed)))
                 force[first + pushed, np.arange(len(pushed))] = 1.0
                 known[block] = self.relaxed(force)[first:].T.copy()
@@ -254,6 +261,8 @@ class RingBody:
     n_sectors = property(lambda self: self.shape.sectors)
     raceway_row = property(lambda self: self.n_rows - 1 - self.held_row)
     raceway_radius = property(lambda self: float(self.radii[self.raceway_row]))
+    n_surface = n_sectors
+    surface_spacing = property(lambda self: 2.0 * np.pi * self.raceway_radius / self.n_sectors)
 
     @property
     def section(self) -> Section:
@@ -352,6 +361,11 @@ class RingBody:
         force = np.zeros((self.n_rows, 2, self.n_sectors, 2))
         force[self.raceway_row, 0, 0, 0] = force[self.raceway_row, 1, 0, 1] = 1.0
         return np.moveaxis(self.held(force)[self.raceway_row], 1, 2)
+
+    def surface_places(self, nodes: np.ndarray) -> np.ndarray:
+        """As `DiscBody.surface_places`, of raceway nodes among the rows of `matrix`."""
+        first = 2 * self.n_sectors * self.raceway_row + np.asarray(nodes)
+        return (first[:, None] + self.n_sectors * np.arange(2)).ravel()
 
     def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
         """Compliance between raceway nodes, (2 m, 2 m), m/N; polar components of each node."""

@@ -153,12 +153,6 @@ def is_turning(drive):
 
 
 @part
-def outer_of(drive):
-    """The outer ring's turning; None where it stands still."""
-    return None if drive.history is None else drive.history.outer
-
-
-@part
 def with_outer(drive, value, share, entry):
     """A turn or speed with what the outer ring's adds, a share of an entry of `OuterTurn.now`."""
     if drive.history is not None:

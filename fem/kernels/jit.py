@@ -13,33 +13,82 @@ numba's own cache, which would also write beside the modules, where a change of 
 
 import hashlib
 import pickle
+from collections.abc import Callable
 from contextlib import suppress
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 
 import numba
-from numba import njit
+from llvmlite.binding import parse_bitcode
+from numba import njit, types
 
+from fem.kernels import numba_private as private
 from fem.kernels.kernel_folder import cache_folder, notices
-from fem.kernels.lanes import LanesType
-from fem.kernels.numba_private import BaseNamedTuple, BaseTuple, CompileResult, Dispatcher, Float, _Cache, dumps
-from fem.kernels.part_compiler import Code, KernelCompiler, rebuilt, reduced, register, shifted
+from fem.kernels.part_compiler import KernelCompiler, callees, fields_used, narrowed, shifted
 from lagrange.files.output import read_sealed, write_sealed
 
 GENERATED = "<every>"  # file of functions that `every` writes
+# Division follows IEEE 754 and raises nothing. Without numba's run-time memory: nothing is allocated (what would
+# allocate does not compile), and arrays that the caller holds anyway are not counted, which would take a tenth of the
+# time loop (https://github.com/numba/numba/issues/2350).
+OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
 
 
-def keep(function, folder: Path | None, cache: type["KernelCache"] | None = None):
-    """Keep what numba compiles of a function in a folder; None: nowhere."""
-    if folder is not None and isinstance(function, Dispatcher):  # it is none where numba is switched off
-        function._cache = (cache or KernelCache)(function.py_func, folder)
-    return function
+# code of parts
 
 
-class KernelCache(_Cache):
+class PartLibrary(private.JITCodeLibrary):
+    """LLVM's code of a part, for kernels to inline."""
+
+    def _optimize_final_module(self):
+        """Kernels do it."""
+
+    def _finalize_final_module(self):
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+
+@private.register_pass(mutates_CFG=True, analysis_only=False)
+class _PartLowering(private.NativeLowering):
+    _name = "part_lowering"
+
+    def run_pass(self, state):
+        context, state.flags.no_compile = state.targetctx, True
+        state.library = PartLibrary(context.codegen(), state.func_id.func_qualname)
+        super().run_pass(state)
+        lowered = state.cr
+        state.library.finalize()
+        state.cr = lowered._replace(cfunc=entry_point(lowered.fndesc, lowered.env, state.library))
+        context.insert_user_function(state.cr.cfunc, lowered.fndesc, [state.library])
+        return True
+
+
+class PartCompiler(KernelCompiler):
+    """The kernels' compiler without machine code at its end."""
+
+    def define_pipelines(self):
+        (manager,) = super().define_pipelines()
+        manager.passes = [
+            (_PartLowering if each is private.NativeLowering else each, name) for each, name in manager.passes
+        ]
+        manager.finalize()
+        return [manager]
+
+
+def entry_point(description, environment, library):
+    """The object that stands for a compiled function in numba; not to be called."""
+    module, name = description.lookup_module(), description.qualname
+    return private._dynfunc.make_function(module, name, "", 0, environment, (library,))
+
+
+# what is kept on disk
+
+
+class KernelCache(private._Cache):
     """What numba asks for compiled code and gives it to, of one function."""
 
     _ending = ".nbc"
+    _reduced, _rebuilt = staticmethod(private.CompileResult._reduce), staticmethod(private.CompileResult._rebuild)
 
     def __init__(self, function, folder: Path):
         self._function, self._folder, self._damaged = function, folder, False
@@ -78,15 +127,14 @@ class KernelCache(_Cache):
             return
         key = self._key(signature, compiled.codegen)
         with suppress(OSError):
-            write_sealed(self._file(key), dumps((key, self._reduced(compiled))))
-
-    _reduced, _rebuilt = staticmethod(CompileResult._reduce), staticmethod(CompileResult._rebuild)
+            write_sealed(self._file(key), private.dumps((key, self._reduced(compiled))))
 
     def _key(self, signature, codegen) -> tuple:
         function, code = self._function, self._function.__code__
         closure = [cell.cell_contents for cell in function.__closure__ or ()]
         text = _file_digest(code.co_filename) if code.co_filename != GENERATED else function.__doc__
-        return numba.__version__, signature, codegen.magic_tuple(), text, code.co_firstlineno, _digest(dumps(closure))
+        magic, inside = codegen.magic_tuple(), _digest(private.dumps(closure))
+        return numba.__version__, signature, magic, text, code.co_firstlineno, inside
 
     def _file(self, key: tuple) -> Path:
         name = f"{self._function.__module__}.{self._function.__qualname__}".replace("<", "").replace(">", "")
@@ -102,7 +150,23 @@ class PartCache(KernelCache):
     """The same of a part: without machine code."""
 
     _ending = ".part.nbc"  # a test may call a part as a kernel
-    _reduced, _rebuilt = staticmethod(reduced), staticmethod(rebuilt)
+
+    @staticmethod
+    def _reduced(compiled) -> tuple:
+        library, description = compiled.library, compiled.fndesc
+        description.typemap = description.calltypes = None
+        return library.name, library._final_module.as_bitcode(), description, compiled.environment, compiled.signature
+
+    @staticmethod
+    def _rebuilt(context, name, code, description, environment, signature):
+        library = PartLibrary(context.codegen(), name)
+        library._final_module = parse_bitcode(code)
+        library._finalize_final_module()
+        return private.compile_result(
+            typing_context=context.typing_context, target_context=context, signature=signature, objectmode=False,
+            entry_point=entry_point(description, environment, library), fndesc=description, library=library,
+            environment=environment, reload_init=(),
+        )  # fmt: skip
 
 
 @cache
@@ -114,37 +178,68 @@ def _digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-# Division follows IEEE 754 and raises nothing. Without numba's run-time memory: nothing is allocated (what would
-# allocate does not compile), and arrays that the caller holds anyway are not counted, which would take a tenth of the
-# time loop (https://github.com/numba/numba/issues/2350).
-OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
-INLINED = {**OPTIONS, "forceinline": True}
+def _kept(kind: type[KernelCache], function, **options):
+    """A function that numba compiles, kept in the folder of kernels if there is one."""
+    found, folder = njit(**OPTIONS, **options)(function), cache_folder()
+    if folder is not None and isinstance(found, private.Dispatcher):  # it is none where numba is switched off
+        found._cache = kind(function, folder)
+    return found
+
+
+# kernels and parts
 
 
 def kernel(function=None, **options):
     """Compile a function of arrays, named tuples of them and scalars for calls from Python and from other kernels."""
     if function is None:
         return lambda wrapped: kernel(wrapped, **options)
-    return keep(njit(pipeline_class=KernelCompiler, **OPTIONS, **options)(function), cache_folder())
-
-
-def _keep_part(function):
-    return keep(function, cache_folder(), PartCache)
+    return _kept(KernelCache, function, pipeline_class=KernelCompiler, **options)
 
 
 def part(function=None, *, inlined: bool = True):
     """A function that kernels call: inlined where it is called, or compiled once in each of them."""
     if function is None:
         return lambda wrapped: part(wrapped, inlined=inlined)
-    code = Code(function, INLINED if inlined else OPTIONS, _keep_part)
-    register(function, lambda *_: code, function)
+    code = Code(function, inlined)
+    _register(function, lambda *_: code)
     return function
 
 
-def lanes_call(function, code) -> None:
-    """Let kernels call one of numpy's functions on lanes, and on scalars what numba can't: `code` does the same."""
-    chosen = Code(code, INLINED, _keep_part)
-    register(function, lambda *_: chosen, code, LanesType | Float)
+class Code:
+    """A function as the code of a part."""
+
+    def __init__(self, function: Callable, inlined: bool):
+        self._function, self._inlined = function, inlined
+
+    @cached_property
+    def _dispatcher(self):
+        options = {"forceinline": True} if self._inlined else {}
+        return _kept(PartCache, self._function, pipeline_class=PartCompiler, no_cpython_wrapper=True, **options)
+
+    def compiled(self, arguments, keywords):
+        """Signature and entry point for arguments of some types."""
+        python, arguments = self._dispatcher._compiler.fold_argument_types(arguments, keywords)
+        kinds = tuple(map(narrowed, arguments, fields_used(self._function)))
+        self._dispatcher.compile(kinds)
+        found = self._dispatcher.overloads[kinds]
+        return found.signature.replace(pysig=python), found.entry_point
+
+
+def _register(function: Callable, choose: Callable) -> None:
+    """Let kernels call a function: `choose` gives the `Code` for types of arguments."""
+    callees[function] = function
+
+    class _Template(private.AbstractTemplate):
+        key = function
+
+        def generic(self, arguments, keywords):
+            signature, self._entry = choose(*arguments).compiled(arguments, keywords)
+            return signature
+
+        def get_impl_key(self, signature):
+            return self._entry
+
+    private.infer_global(function, types.Function(_Template))
 
 
 def every(one, *kinds):
@@ -165,7 +260,7 @@ def every(one, *kinds):
 
     def choose(bodies, *arguments):
         names = ", ".join(f"a{i}" for i in range(len(arguments)))
-        calls = [_calls(one, kinds, body, i, names) for i, body in enumerate(bodies)]
+        calls = [_calls(kinds, body, i, names) for i, body in enumerate(bodies)]
         # written out: a function more, or arguments packed into a tuple, would take a second to compile
         text = f"def code(bodies, {names}):\n    pass\n" + "".join(calls)
         if text not in codes:
@@ -175,17 +270,17 @@ def every(one, *kinds):
             code.__doc__ = text
             code.__qualname__ = ".".join(["every", one.__module__, one.__qualname__])
             shifted[code] = one
-            codes[text] = Code(code, INLINED, _keep_part)
+            codes[text] = Code(code, True)
         return codes[text]
 
     shifted[on_every] = one
-    register(on_every, choose, on_every)
+    _register(on_every, choose)
     return on_every
 
 
-def _calls(one, kinds: tuple, body, i: int, names: str) -> str:
+def _calls(kinds: tuple, body, i: int, names: str) -> str:
     """Lines that call `one` for entry i of a tuple: a body, nothing, or a group of pairs."""
-    is_group = isinstance(body, BaseTuple) and not isinstance(body, BaseNamedTuple)
+    is_group = isinstance(body, types.BaseTuple) and not isinstance(body, types.BaseNamedTuple)
     if kinds and (body.dtype if is_group else body).instance_class not in kinds:
         return ""
     if is_group:

@@ -6,10 +6,8 @@ coefficients.
 
 from math import log, pi
 
-import numpy as np
-
 from fem.kernels import lanes
-from fem.kernels.jit import lanes_call, part
+from fem.kernels.jit import part
 from fem.kernels.lanes import absolute, load, select, store, to_float, to_int
 
 TAN_EIGHTH = 0.41421356237309503  # tan(π/8)
@@ -136,26 +134,3 @@ def next_rollers(group, n):
     """The rollers after eight from `group` on, lanes; of the last and of spare lanes the first."""
     after = lanes.count_from(group) + 1
     return select(after >= n, 0, after)
-
-
-@part
-def _root(x):
-    return lanes.square_root(x)
-
-
-@part
-def _size(x):
-    return absolute(x)
-
-
-@part
-def _choice(mask, yes, no):
-    return select(mask, yes, no)
-
-
-# numpy's functions that laws of `lagrange.contact` may use: they name them
-for _function, _code in (
-    (np.sqrt, _root), (np.exp, exponential), (np.log, logarithm), (np.abs, _size),
-    (np.minimum, minimum), (np.maximum, maximum), (np.where, _choice),
-):  # fmt: skip
-    lanes_call(_function, _code)

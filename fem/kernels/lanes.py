@@ -408,22 +408,28 @@ def _elements(context, builder, signature, array, places, where, offset=None, co
         yield pointer, pointer if apart is None else builder.gep(pointer, [apart])
 
 
-@_instruction(lambda array, places, *_: types.UniTuple(LANES, 2)(array, places, types.intp, types.intp))
-def gather_places(context, builder, signature, array, places, where, apart):
-    """Lanes from the eight indices that stand in `places` from `where` on, and from those `apart` further.
+@_instruction(lambda array, places, *_: types.UniTuple(_SIX, 2)(array, places, types.intp, types.intp))
+def gather_nodes(context, builder, signature, array, places, where, apart):
+    """Six times lanes from eight indices that stand in `places` from `where` on, each time `apart` further; and what
+    lies `apart` from these: x and y.
 
     Indices from memory: to take them out of a register costs more.
     """
-    found = [_nothing(), _nothing()]
-    for k, both in enumerate(_elements(context, builder, signature, array, places, where, apart=apart)):
-        for i, pointer in enumerate(both):
-            found[i] = builder.insert_element(found[i], builder.load(pointer), lane(k))
-    return _pair_or_more(context, builder, LANES, found)
+    found = []
+    for _ in range(6):
+        both = [_nothing(), _nothing()]
+        for k, pointers in enumerate(_elements(context, builder, signature, array, places, where, apart=apart)):
+            for i, pointer in enumerate(pointers):
+                both[i] = builder.insert_element(both[i], builder.load(pointer), lane(k))
+        found.append(both)
+        where = builder.add(where, apart)
+    sixes = [_pair_or_more(context, builder, LANES, six) for six in zip(*found, strict=True)]
+    return _pair_or_more(context, builder, _SIX, sixes)
 
 
 @_instruction(lambda array, places, *_: types.void(array, places, types.intp, types.intp, LANES, LANES))
 def add_at_places(context, builder, signature, array, places, where, apart, first, second):
-    """Add lanes to what `gather_places` reads, one after the other."""
+    """Add lanes to the first of what `gather_nodes` reads, one after the other."""
     for k, both in enumerate(_elements(context, builder, signature, array, places, where, apart=apart)):
         for at, lanes in zip(both, (first, second), strict=True):
             builder.store(builder.fadd(builder.load(at), builder.extract_element(lanes, lane(k))), at)
@@ -451,7 +457,7 @@ def _transposed(builder, rows):
 def gather_rows(context, builder, signature, array, places, where, offset):
     """Six entries in a row from each of the eight indices in `places` from `where` on plus `offset`: six lanes.
 
-    Eight are read. A register for each and their transpose cost a third of six times `gather_places`.
+    Eight are read. A register for each and their transpose cost a third of six gathers.
     """
     pointers = _elements(context, builder, signature, array, places, where, offset, WIDTH)
     rows = [builder.load(builder.bitcast(pointer, LANES.vector.as_pointer()), align=8) for pointer, _ in pointers]

@@ -17,6 +17,5 @@ from numba.core.event import Listener, install_listener, install_recorder
 from numba.core.ir_utils import build_definitions
 from numba.core.serialize import dumps
 from numba.core.typed_passes import NativeLowering
-from numba.core.types import BaseNamedTuple, BaseTuple, Float
 from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.core.untyped_passes import DeadBranchPrune

@@ -1,4 +1,4 @@
-"""How parts are typed and compiled: for the fields that they use, once for all kernels, and without machine code.
+"""What the code of a part depends on: the fields that it uses, and branches that types decide.
 
 Fields that a part uses, itself or in parts that it calls, are all that its code depends on: found in the text of
 functions (`fields_used`). Where it is not plain what becomes of a value, all of it counts as used.
@@ -14,12 +14,11 @@ import ast
 import inspect
 import operator
 from collections.abc import Callable, Iterator
-from functools import cache, cached_property
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 
-from llvmlite.binding import parse_bitcode
-from numba import njit, types
+from numba import types
 from numba.extending import lower_cast, models, register_model
 
 from fem.kernels import numba_private as private
@@ -44,8 +43,7 @@ def fields_used(function: Callable) -> tuple[Used, ...]:
     """What is used of each parameter."""
     if function in shifted:
         return WHOLE, *fields_used(callees[shifted[function]])[1:]
-    used = _Reader(function).used
-    return tuple(used[name] for name in inspect.signature(function).parameters)
+    return tuple(_Reader(function).used.values())
 
 
 @cache
@@ -60,25 +58,25 @@ class _Reader(ast.NodeVisitor):
 
     def __init__(self, function: Callable):
         node = _functions(function.__code__.co_filename)[function.__code__.co_firstlineno]
-        names = inspect.signature(function).parameters
+        names, found = inspect.signature(function).parameters, -1
         self.globals, self.used = function.__globals__, {name: {} for name in names}
-        self.paths: dict[str, list[tuple[str, ...]]] = {name: [(name,)] for name in names}
-        found = -1
+        self.paths: dict[str, set[tuple[str, ...]]] = {name: {(name,)} for name in names}
         while found != (found := sum(map(len, self.paths.values()))):  # names for fields of names for fields
             for target, value in (pair for each in ast.walk(node) for pair in _pairs(each)):
-                if isinstance(target, ast.Name) and target.id != _root(value) and (new := self._paths(value)):
-                    known = self.paths.setdefault(target.id, [])
-                    known.extend(path for path in new if path not in known)
+                if new := self._renamed(target, value):
+                    self.paths.setdefault(target.id, set()).update(new)
         for statement in node.body:
             self.visit(statement)
 
-    def _paths(self, node: ast.expr) -> list[tuple[str, ...]]:
+    def _paths(self, node: ast.expr) -> set[tuple[str, ...]]:
         """The fields that an expression may be, as a parameter's name and names of fields; none: something else."""
         if isinstance(node, ast.Name):
-            return self.paths.get(node.id, [])
-        if isinstance(node, ast.Attribute):
-            return [(*path, node.attr) for path in self._paths(node.value)]
-        return []
+            return self.paths.get(node.id, set())
+        return {(*path, node.attr) for path in self._paths(node.value)} if isinstance(node, ast.Attribute) else set()
+
+    def _renamed(self, target: ast.expr, value: ast.expr) -> set[tuple[str, ...]]:
+        """The fields that an assignment gives a name to."""
+        return self._paths(value) if isinstance(target, ast.Name) and target.id != _root(value) else set()
 
     def _use(self, node: ast.expr, what: Used) -> None:
         for name, *fields in self._paths(node):
@@ -89,20 +87,18 @@ class _Reader(ast.NodeVisitor):
 
     def visit_Assign(self, node: ast.Assign) -> None:
         for target, value in _pairs(node):
-            named = isinstance(target, ast.Name)
-            if not named:
+            if not isinstance(target, ast.Name):
                 self.visit(target)
-            if not (named and target.id != _root(value) and self._paths(value)):
+            if not self._renamed(target, value):
                 self.visit(value)
 
-    def visit_Name(self, node: ast.Name) -> None:
-        self._use(node, WHOLE)
-
-    def visit_Attribute(self, node: ast.Attribute) -> None:
+    def visit_Attribute(self, node: ast.expr) -> None:
         if self._paths(node):
             self._use(node, WHOLE)
         else:
             self.generic_visit(node)
+
+    visit_Name = visit_Attribute
 
     def visit_Compare(self, node: ast.Compare) -> None:
         if self._paths(node.left) and all(isinstance(op, (ast.Is, ast.IsNot)) for op in node.ops):
@@ -114,13 +110,13 @@ class _Reader(ast.NodeVisitor):
 
     def visit_Call(self, node: ast.Call) -> None:
         name, called = _root(node.func), None
-        if name is not None and name not in self.paths:
+        if name == "isinstance":
+            self._use(node.args[0], {})
+            return
+        if name not in self.paths:
             called = self.globals.get(name)
             if isinstance(called, ModuleType) and isinstance(node.func, ast.Attribute):
                 called = getattr(called, node.func.attr, None)
-            elif name == "isinstance":
-                self._use(node.args[0], {})
-                return
         known = callable(called) and called in callees
         if not known or node.keywords or any(isinstance(a, ast.Starred) for a in node.args):
             self.generic_visit(node)
@@ -148,10 +144,7 @@ def _root(node: ast.expr) -> str | None:
     return node.id if isinstance(node, ast.Name) else None
 
 
-# branches that types decide
-
-
-DEEPEST = 16  # of names for names
+# fields that are not used have a type of their own
 
 
 class UnusedType(types.Type):
@@ -159,125 +152,6 @@ class UnusedType(types.Type):
 
 
 UNUSED = UnusedType("unused")
-SOMETHING = types.pyobject  # the type of what is not None, where no more is known
-
-
-@private.register_pass(mutates_CFG=True, analysis_only=False)
-class KnownTypes(private.FunctionPass):
-    """Questions that types answer become constants, branches are pruned."""
-
-    _name = "known_types"
-
-    def __init__(self):
-        super().__init__()
-
-    def run_pass(self, state) -> bool:
-        code, changed = state.func_ir, False
-        while _decide(code, state.args):  # a pruned branch may leave a name with one value
-            private.dead_branch_prune(code, state.args)
-            code._definitions, code._consts = (
-                private.build_definitions(code.blocks),
-                private.consts.ConstantInference(code),
-            )
-            changed = True
-        return changed
-
-
-class KernelCompiler(private.CompilerBase):
-    """Numba's own compiler with this pass."""
-
-    def define_pipelines(self):
-        manager = private.DefaultPassBuilder.define_nopython_pipeline(self.state)
-        manager.add_pass_after(KnownTypes, private.DeadBranchPrune)
-        manager.finalize()
-        return [manager]
-
-
-def _decide(code: ir.FunctionIR, arguments: tuple) -> bool:
-    """Put constants in place of questions that types answer; whether there are any.
-
-    Errors: TypeError: a field is asked for of which `fields_used` has not seen that it is used.
-    """
-    decided = False
-    for block in code.blocks.values():
-        for statement in block.find_insts(ir.Assign):
-            value = statement.value
-            answer = _answer(code, arguments, value) if isinstance(value, ir.Expr) else None
-            if answer is not None:
-                statement.value = ir.Const(answer, value.loc)
-                definitions = code._definitions[statement.target.name]
-                definitions[definitions.index(value)] = statement.value
-                decided = True
-    return decided
-
-
-def _answer(code: ir.FunctionIR, arguments: tuple, value: ir.Expr) -> bool | None:
-    """What types tell of `x is None`, `x is not None` or `isinstance(x, Kind)`; None: nothing, or it is another."""
-    if value.op == "binop" and value.fn in (operator.is_, operator.is_not):
-        one, other = (_is_none(code, arguments, side) for side in (value.lhs, value.rhs))
-        if None in (one, other) or not (one or other):  # unknown, or neither is None
-            return None
-        return (one == other) == (value.fn is operator.is_)
-    if value.op != "call" or len(value.args) != 2:
-        return None
-    called, kind = ([d.value for d in code._definitions.get(v.name, []) if isinstance(d, ir.Global)]
-                    for v in (value.func, value.args[1]))  # fmt: skip
-    given = _kinds(code, arguments, value.args[0])
-    if called != [isinstance] or len(kind) != 1 or len(given) != 1 or given[0] is None:
-        return None
-    return getattr(given[0], "instance_class", None) is kind[0]
-
-
-def _is_none(code: ir.FunctionIR, arguments: tuple, variable: ir.Var) -> bool | None:
-    """Whether a variable is None, in all that may define it; None: nobody knows."""
-    kinds = _kinds(code, arguments, variable)
-    answers = {None if k is None or isinstance(k, types.Optional) else isinstance(k, types.NoneType) for k in kinds}
-    return answers.pop() if len(answers) == 1 else None
-
-
-def _kinds(code: ir.FunctionIR, arguments: tuple, variable: ir.Var) -> list[types.Type | None]:
-    kinds = [_kind(code, arguments, each, 0) for each in code._definitions.get(variable.name, [])]
-    if any(isinstance(kind, UnusedType) for kind in kinds):
-        raise TypeError(f"{code.func_id.func_qualname}: fields_used does not see that {variable.name} is asked for")
-    return kinds
-
-
-def _kind(code: ir.FunctionIR, arguments: tuple, value, depth: int) -> types.Type | None:
-    """The type of what defines a variable, as far as arguments tell."""
-
-    def of(variable: ir.Var) -> types.Type | None:
-        definitions = code._definitions.get(variable.name, []) if depth < DEEPEST else []
-        kinds = {_kind(code, arguments, each, depth + 1) for each in definitions}
-        return kinds.pop() if len(kinds) == 1 else None
-
-    if isinstance(value, ir.Arg):
-        kind = arguments[value.index]
-        return (types.none if kind.value is None else None) if isinstance(kind, types.Omitted) else kind
-    if isinstance(value, ir.Const | ir.Global | ir.FreeVar):
-        return types.none if value.value is None else SOMETHING
-    if isinstance(value, ir.Var):
-        return of(value)
-    if not isinstance(value, ir.Expr):
-        return None
-    if value.op == "build_tuple":
-        return types.BaseTuple.from_types([of(item) or types.unknown for item in value.items])
-    if value.op == "getattr":
-        kind = of(value.value)
-        if isinstance(kind, types.BaseNamedTuple) and value.attr in kind.fields:
-            return kind[kind.fields.index(value.attr)]
-    if value.op == "exhaust_iter":
-        return of(value.value)
-    if value.op in ("static_getitem", "getitem"):
-        kind, index = of(value.value), value.index
-        if isinstance(index, ir.Var):
-            found = code._definitions.get(index.name, [])
-            index = found[0].value if len(found) == 1 and isinstance(found[0], ir.Const) else None
-        if isinstance(kind, types.BaseTuple) and isinstance(index, int) and index < len(kind):
-            return None if kind[index] is types.unknown else kind[index]
-    return None
-
-
-# code of parts
 
 
 @register_model(UnusedType)
@@ -309,107 +183,124 @@ def _narrow(context, builder, given, wanted, value):
     return narrow
 
 
-class PartLibrary(private.JITCodeLibrary):
-    """LLVM's code of a part, for kernels to inline."""
+# branches that types decide
 
-    def _optimize_final_module(self):
-        """Kernels do it."""
 
-    def _finalize_final_module(self):
-        self._finalize_dynamic_globals()
-        self._finalized = True
+DEEPEST = 16  # of names for names
+SOMETHING = types.pyobject  # the type of what is not None, where no more is known
 
 
 @private.register_pass(mutates_CFG=True, analysis_only=False)
-class _PartLowering(private.NativeLowering):
-    _name = "part_lowering"
+class KnownTypes(private.FunctionPass):
+    """Questions that types answer become constants, branches are pruned."""
 
-    def run_pass(self, state):
-        context, state.flags.no_compile = state.targetctx, True
-        state.library = PartLibrary(context.codegen(), state.func_id.func_qualname)
-        super().run_pass(state)
-        lowered = state.cr
-        state.library.finalize()
-        state.cr = lowered._replace(cfunc=entry_point(lowered.fndesc, lowered.env, state.library))
-        context.insert_user_function(state.cr.cfunc, lowered.fndesc, [state.library])
-        return True
+    _name = "known_types"
 
+    def __init__(self):
+        super().__init__()
 
-def entry_point(description, environment, library):
-    """The object that stands for a compiled function in numba; not to be called."""
-    return private._dynfunc.make_function(
-        description.lookup_module(), description.qualname, "", 0, environment, (library,)
-    )
+    def run_pass(self, state) -> bool:
+        code, changed = state.func_ir, False
+        while _Known(code, state.args).decide():  # a pruned branch may leave a name with one value
+            private.dead_branch_prune(code, state.args)
+            code._definitions = private.build_definitions(code.blocks)
+            code._consts = private.consts.ConstantInference(code)
+            changed = True
+        return changed
 
 
-def reduced(compiled) -> tuple:
-    """What is kept of a compiled part."""
-    library, description = compiled.library, compiled.fndesc
-    description.typemap = description.calltypes = None
-    return library.name, library._final_module.as_bitcode(), description, compiled.environment, compiled.signature
-
-
-def rebuilt(context, name, code, description, environment, signature):
-    """The compiled part of what `reduced` has kept."""
-    library = PartLibrary(context.codegen(), name)
-    library._final_module = parse_bitcode(code)
-    library._finalize_final_module()
-    return private.compile_result(
-        typing_context=context.typing_context, target_context=context, signature=signature, objectmode=False,
-        entry_point=entry_point(description, environment, library), fndesc=description, library=library,
-        environment=environment, reload_init=(),
-    )  # fmt: skip
-
-
-class PartCompiler(KernelCompiler):
-    """The kernels' compiler without machine code at its end."""
+class KernelCompiler(private.CompilerBase):
+    """Numba's own compiler with this pass."""
 
     def define_pipelines(self):
-        (manager,) = super().define_pipelines()
-        manager.passes = [
-            (_PartLowering if each is private.NativeLowering else each, name) for each, name in manager.passes
-        ]
+        manager = private.DefaultPassBuilder.define_nopython_pipeline(self.state)
+        manager.add_pass_after(KnownTypes, private.DeadBranchPrune)
         manager.finalize()
         return [manager]
 
 
-class Code:
-    """A function as the code of a part."""
+class _Known:
+    """What the types of arguments tell of a function's variables."""
 
-    def __init__(self, function: Callable, options: dict, keep: Callable):
-        self._function, self._options, self._keep = function, options, keep
+    def __init__(self, code: ir.FunctionIR, arguments: tuple):
+        self.code, self.arguments = code, arguments
 
-    @cached_property
-    def _dispatcher(self):
-        wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-        return self._keep(njit(pipeline_class=PartCompiler, **{**self._options, **wrappers})(self._function))
+    def decide(self) -> bool:
+        """Put constants in place of questions that types answer; whether there are any."""
+        decided = False
+        for block in self.code.blocks.values():
+            for statement in block.find_insts(ir.Assign):
+                value = statement.value
+                answer = self.answer(value) if isinstance(value, ir.Expr) else None
+                if answer is not None:
+                    statement.value = ir.Const(answer, value.loc)
+                    definitions = self.code._definitions[statement.target.name]
+                    definitions[definitions.index(value)] = statement.value
+                    decided = True
+        return decided
 
-    def compiled(self, arguments, keywords):
-        """Signature and entry point for arguments of some types."""
-        python, arguments = self._dispatcher._compiler.fold_argument_types(arguments, keywords)
-        kinds = tuple(map(narrowed, arguments, fields_used(self._function)))
-        self._dispatcher.compile(kinds)
-        found = self._dispatcher.overloads[kinds]
-        return found.signature.replace(pysig=python), found.entry_point
-
-
-def register(function: Callable, choose: Callable, code: Callable, of=types.Type) -> None:
-    """Let kernels call a function: `choose` gives the `Code` for types of arguments, all of them of `code`.
-
-    `of` : a kind of types that one argument has; of others it is whatever numba makes of the function
-    """
-    callees[function] = code
-
-    class _Template(private.AbstractTemplate):
-        key = function
-
-        def generic(self, arguments, keywords):
-            if arguments and not any(isinstance(each, of) for each in arguments):
+    def answer(self, value: ir.Expr) -> bool | None:
+        """To `x is None`, `x is not None` or `isinstance(x, Kind)`; None: types tell nothing, or it is no such."""
+        if value.op == "binop" and value.fn in (operator.is_, operator.is_not):
+            one, other = self.is_none(value.lhs), self.is_none(value.rhs)
+            if None in (one, other) or not (one or other):  # unknown, or neither is None
                 return None
-            signature, self._entry = choose(*arguments).compiled(arguments, keywords)
-            return signature
+            return (one == other) == (value.fn is operator.is_)
+        if value.op != "call" or len(value.args) != 2:
+            return None
+        called, kind = ([d.value for d in self.definitions(v) if isinstance(d, ir.Global)]
+                        for v in (value.func, value.args[1]))  # fmt: skip
+        given = self.kinds(value.args[0])
+        if called != [isinstance] or len(kind) != 1 or len(given) != 1 or given[0] is None:
+            return None
+        return getattr(given[0], "instance_class", None) is kind[0]
 
-        def get_impl_key(self, signature):
-            return self._entry
+    def is_none(self, variable: ir.Var) -> bool | None:
+        """In all that may define it; None: nobody knows."""
+        answers = {None if kind is None or isinstance(kind, types.Optional) else isinstance(kind, types.NoneType)
+                   for kind in self.kinds(variable)}  # fmt: skip
+        return answers.pop() if len(answers) == 1 else None
 
-    private.infer_global(function, types.Function(_Template))
+    def definitions(self, variable: ir.Var) -> list:
+        return self.code._definitions.get(variable.name, [])
+
+    def kinds(self, variable: ir.Var) -> list[types.Type | None]:
+        """Errors: TypeError: a field is asked for of which `fields_used` has not seen that it is used."""
+        kinds = [self.kind(each, 0) for each in self.definitions(variable)]
+        if any(isinstance(kind, UnusedType) for kind in kinds):
+            name = self.code.func_id.func_qualname
+            raise TypeError(f"{name}: fields_used does not see that {variable.name} is asked for")
+        return kinds
+
+    def kind(self, value, depth: int) -> types.Type | None:
+        """The type of what defines a variable, as far as arguments tell."""
+
+        def of(variable: ir.Var) -> types.Type | None:
+            definitions = self.definitions(variable) if depth < DEEPEST else []
+            kinds = {self.kind(each, depth + 1) for each in definitions}
+            return kinds.pop() if len(kinds) == 1 else None
+
+        if isinstance(value, ir.Arg):
+            kind = self.arguments[value.index]
+            return (types.none if kind.value is None else None) if isinstance(kind, types.Omitted) else kind
+        if isinstance(value, ir.Const | ir.Global | ir.FreeVar):
+            return types.none if value.value is None else SOMETHING
+        if isinstance(value, ir.Var):
+            return of(value)
+        op = value.op if isinstance(value, ir.Expr) else None
+        if op == "build_tuple":
+            return types.BaseTuple.from_types([of(item) or types.unknown for item in value.items])
+        kind = of(value.value) if op in ("getattr", "exhaust_iter", "static_getitem", "getitem") else None
+        if op == "exhaust_iter":
+            return kind
+        if op == "getattr":
+            known = isinstance(kind, types.BaseNamedTuple) and value.attr in kind.fields
+            return kind[kind.fields.index(value.attr)] if known else None
+        if isinstance(kind, types.BaseTuple):
+            index = value.index
+            if isinstance(index, ir.Var):
+                found = self.definitions(index)
+                index = found[0].value if len(found) == 1 and isinstance(found[0], ir.Const) else None
+            if isinstance(index, int) and index < len(kind) and kind[index] is not types.unknown:
+                return kind[index]
+        return None

@@ -96,8 +96,9 @@ def scatter_add(array, at, lanes):
     np.add.at(array.reshape(-1), at if np.ndim(at) else np.arange(at, at + WIDTH), lanes)
 
 
-def gather_places(array, places, where, apart):
-    return gather_pair(array, load(places, where), apart)
+def gather_nodes(array, places, where, apart):
+    at = [load(places, where + k * apart) for k in range(6)]
+    return tuple(gather(array, i) for i in at), tuple(gather(array, i + apart) for i in at)
 
 
 def add_at_places(array, places, where, apart, first, second):

@@ -63,10 +63,10 @@ def _slips(groups, rollers, surface, contacts, turn_kick, out):
 
 
 @kernel
-def _rub(groups, rollers, surface, contacts, drive, later):
+def _rub(groups, rollers, surface, contacts, drive):
     if contacts.friction.shear is not None:
         friction.follow_slips_before(contacts.friction.shear, contacts.friction, rollers.n)
-    friction.friction_contacts(groups, rollers, surface, contacts, drive, later)
+    friction.friction_contacts(groups, rollers, surface, contacts, drive)
     return 0.5 * drive.dt * friction.slips_after(groups, rollers, surface, contacts, drive.dt, True)
 
 
@@ -113,12 +113,12 @@ def find_slips(state: Arrays, turn_kick: np.ndarray, out: np.ndarray) -> None:
     _slips(state.groups, state.bodies.rollers, state.bodies.surface, state.contacts, turn_kick, out)
 
 
-def rub_contacts(state: Arrays, later: bool = False) -> float:
+def rub_contacts(state: Arrays) -> float:
     """Tractions of a state whose patches grip and slip, and their impulses; what they take in a step, J.
 
-    `later`: the normal forces' impulses are still to be given, see `fem.kernels.elements.loop.kick`.
+    With springs nodes are given the normal forces' impulses too, but where `whole` says that they have had them.
     """
-    return _rub(state.groups, state.bodies.rollers, state.bodies.surface, state.contacts, state.drive, later)
+    return _rub(state.groups, state.bodies.rollers, state.bodies.surface, state.contacts, state.drive)
 
 
 def contact_energy(state: Arrays) -> float:
@@ -324,7 +324,7 @@ def without_springs(state):
 
 def rub(state):
     """Friction at a copy; returns it, slips before and after, and the energy it takes, J."""
-    state = copies(state)
+    state = with_friction(copies(state), whole=True)  # the normal forces' impulses have been given
     find_slips(state, state.bodies.rollers.turn_kick, state.contacts.friction.slip)
     before = state.contacts.friction.slip.copy()
     taken, after = rub_contacts(state), np.zeros_like(before)

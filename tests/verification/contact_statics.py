@@ -9,7 +9,7 @@ import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.model import standing
-from fem.contacts.points import POINTS_PER_NODE, disc_patch_force
+from fem.contacts.points import POINTS_PER_NODE, patch_force
 from fem.contacts.resolved import ResolvedModel
 from fem.contacts.subgrid import REFERENCE_HALF_WIDTH, SurfaceCompliance, contact_law, rigid_surface, surface_compliance
 from fem.elastic.bodies import DiscBody
@@ -54,7 +54,7 @@ def law_on_rigid(surface: SurfaceCompliance, radius: float, material: Material =
 def squeezed(body: DiscBody, surface: SurfaceCompliance, position: float) -> float:
     """Compliance of a disc's mesh under one of two opposite unit forces, ripple included, m/N."""
     angle = 2.0 * pi * position / body.shape.surface_nodes
-    near, far = disc_patch_force(body, angle), disc_patch_force(body, angle + pi)
+    near, far = patch_force(body, angle), patch_force(body, angle + pi)
     return float(near @ body.relaxed(near + far) + ripple_at(position, surface.ripple)[0])
 
 

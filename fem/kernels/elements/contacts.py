@@ -17,7 +17,7 @@ import numpy as np
 
 from fem.kernels import lanes
 from fem.kernels.elements import surfaces
-from fem.kernels.elements.state import Pair
+from fem.kernels.elements.state import DiscSurface, Pair
 from fem.kernels.elements.tilted import SlicedLaw, press_tilted
 from fem.kernels.jit import every, part
 from fem.kernels.lane_functions import load_pair, next_rollers, store_pair
@@ -45,6 +45,29 @@ def first_surface(pair, disc):
 def second_rollers(pair, group, n):
     """The rollers on side 1 of eight contacts, lanes."""
     return next_rollers(group, n) if pair.surface is None else count_from(group)
+
+
+@part
+def share_out(array, pair, group, n, x, y):
+    """Add x and y, lanes, to what side 1's rollers of eight contacts have in (2, columns), and the opposite to side 0's
+    if these are rollers too."""
+    columns = array.shape[1]
+    if pair.surface is not None:
+        lanes.scatter_add(array, group, x)
+        lanes.scatter_add(array, columns + group, y)
+    else:
+        i = next_rollers(group, n)
+        lanes.scatter_add(array, i, x)
+        lanes.scatter_add(array, i + columns, y)
+        lanes.scatter_add(array, group, -x)
+        lanes.scatter_add(array, columns + group, -y)
+
+
+@part
+def share_nodes(pair, rollers, disc, group, x, y):
+    """The same of impulses, N s, that nodes of rollers are given, to their centres' motion."""
+    if isinstance(disc, DiscSurface):
+        share_out(disc.impulse, pair, group, rollers.n, x, y)
 
 
 @part
@@ -143,9 +166,9 @@ def _kept_motion(patches, side, group):
 def _press(pair, rollers, disc, contacts, drive):
     """Normal forces of a pair's contacts by the law below the grid, and their impulses in a step on whole bodies."""
     forces, patches, columns, dt, sign = contacts.forces, contacts.patches, rollers.columns, drive.dt, pair.sign
-    impulse, body_impulse, turn_kick, law = rollers.node_impulse, rollers.body_impulse, rollers.turn_kick, pair.law
+    turn_kick, law, n = rollers.turn_kick, pair.law, rollers.n
     ring_x, ring_y, moment = splat(0.0), splat(0.0), splat(0.0)
-    for group in range(0, rollers.n, WIDTH):
+    for group in range(0, n, WIDTH):
         row, side = pair.row * columns + group, 2 * pair.row
         overlap = load(forces.overlap, row)
         near = overlap == overlap
@@ -155,7 +178,6 @@ def _press(pair, rollers, disc, contacts, drive):
         motion, sideways = _kept_motion(patches, side, group)
         own, sideways_r = _kept_motion(patches, side + 1, group)
         if pair.surface is not None:
-            i = group
             bx, by = load_pair(patches.outward, 2 * side * columns + group, columns)
             out, rate, ripple, ripple_rate = lowered_ring(pair.profile, sign, motion, bx, by)
             away_x, away_y = pair.counted_from[0], pair.counted_from[1]
@@ -164,7 +186,6 @@ def _press(pair, rollers, disc, contacts, drive):
             bx, by = load_pair(patches.outward, 2 * (side + 1) * columns + group, columns)
             out_r, rate_r, ripple_r, ripple_rate_r = lowered_rollers(pair.roller_profiles, group, own, bx, by)
         else:
-            i = next_rollers(group, rollers.n)
             (out, rate, ripple, ripple_rate), (out_r, rate_r, ripple_r, ripple_rate_r) = motion, own
         approach = overlap + sign * out + out_r
         slopes = sign * (rate + sideways) + rate_r + sideways_r, sign * rate, rate_r
@@ -192,25 +213,20 @@ def _press(pair, rollers, disc, contacts, drive):
             store(forces.kick, row, P)
             store(forces.residual, row, residual)
         half, given, over = 0.5 * Q * Q, P * (sign * dt), dt / rollers.inertia
-        x, y = given * nx, given * ny
         tilting = P * slopes[0] - half * (ripple_rate + ripple_rate_r)
         if isinstance(law, SlicedLaw):
             tilting = tilting - across
         tilting = tilting * load(forces.nearness, row) * dt
-        lanes.scatter_add(impulse, i, x)
-        lanes.scatter_add(impulse, i + columns, y)
-        lanes.scatter_add(body_impulse, i, tilting * ny)
-        lanes.scatter_add(body_impulse, i + columns, -(tilting * nx))
-        lanes.scatter_add(turn_kick, i, (P * rate_r - half * ripple_rate_r) * over)
+        share_out(rollers.node_impulse, pair, group, n, given * nx, given * ny)
+        share_out(rollers.body_impulse, pair, group, n, tilting * ny, -(tilting * nx))
+        turned = (P * rate_r - half * ripple_rate_r) * over
         if pair.surface is not None:
+            lanes.scatter_add(turn_kick, group, turned)
             ring_x -= tilting * ny
             ring_y += tilting * nx
             moment += half * ripple_rate - P * slopes[1]
         else:
-            lanes.scatter_add(impulse, group, -x)
-            lanes.scatter_add(impulse, columns + group, -y)
-            lanes.scatter_add(body_impulse, group, -(tilting * ny))
-            lanes.scatter_add(body_impulse, columns + group, tilting * nx)
+            lanes.scatter_add(turn_kick, next_rollers(group, n), turned)
             lanes.scatter_add(turn_kick, group, (P * rate - half * ripple_rate) * over)
     if pair.surface is not None:
         pair.impulse[0] += total(ring_x)

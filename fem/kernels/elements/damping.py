@@ -23,15 +23,15 @@ Equation (1) of docs/damping.md.
 
 import numpy as np
 
+from fem.kernels import lanes
 from fem.kernels.drive import SPEED, OuterTurn, speed_of
 from fem.kernels.elements import surfaces
 from fem.kernels.elements.bodies import Bore
-from fem.kernels.elements.contacts import first_surface, scatter_normal_forces
+from fem.kernels.elements.contacts import first_surface, scatter_normal_forces, share_nodes, share_out
 from fem.kernels.elements.rings import HALO
-from fem.kernels.elements.state import DiscSurface, Hub, Pair, RigidDisc, RingSurface
-from fem.kernels.elements.surfaces import N_NODES
+from fem.kernels.elements.state import Hub, Pair, RigidDisc
 from fem.kernels.jit import every, part
-from fem.kernels.lane_functions import load_pair, maximum, minimum, store_pair
+from fem.kernels.lane_functions import load_pair, maximum, minimum, next_rollers
 from fem.kernels.lanes import WIDTH, any_lane, count_from, gather, load, select, splat, store, total
 from fem.kernels.law import STEEPEST, damping_coefficient
 from fem.kernels.mounts import Housing
@@ -53,181 +53,86 @@ def damp_contacts(groups, bodies, contacts, drive, later):
 
 @part
 def _damp(pair, rollers, disc, contacts, dt, later):
-    dampers = contacts.dampers
-    if pair.surface is None:
-        for group in range(0, rollers.n, WIDTH):
-            row = pair.row * rollers.columns + group
-            left = load(dampers.left, row)
-            if any_lane((load(contacts.forces.force, row) > 0.0) | (left == left)):
-                _damp_in_turn(pair, rollers, disc, contacts, dt, group, min(group + WIDTH, rollers.n))
-    elif contacts.friction.whole is None:
-        _damp_eights(pair, rollers, disc, contacts, dt)
-        if not later:
-            scatter_normal_forces(pair, rollers, disc, contacts, dampers, dt)
-    else:  # contacts share rigid bodies
-        _damp_in_turn(pair, rollers, disc, contacts, dt, 0, rollers.n)
+    """Contacts of a raceway eight at once: their nodes are to be given the law's kick and the dampers' together.
+
+    Those that share rigid bodies, or rollers, come one after another, after the law's kick, each with what those before
+    have given.
+    """
+    forces, patches, dampers, sign, law = contacts.forces, contacts.patches, contacts.dampers, pair.sign, pair.law
+    side, columns, n, velocity, surface = 2 * pair.row, rollers.columns, rollers.n, rollers.velocity, pair.surface
+    count = 1 if surface is None or contacts.friction.whole is not None else WIDTH
+    for group in range(0, n, WIDTH):
+        row, number = pair.row * columns + group, count_from(group)
+        for j in range(group, min(group + WIDTH, n), count):
+            Q, P, left = load(forces.force, row), load(forces.kick, row), load(dampers.left, row)
+            chosen = (number >= j) & (number < j + count)
+            closed = chosen & (Q > 0.0)
+            if not any_lane(closed | (chosen & (left == left))):
+                continue
+            nx, ny = load_pair(patches.normal, side * columns + group, columns)
+            vx, vy = load_pair(velocity, group, columns)
+            if surface is None:
+                x, y = lanes.gather_pair(velocity, next_rollers(group, n), columns)
+                vx, vy = x - vx, y - vy
+            surfaces.fill_ghost_nodes(first_surface(pair, disc))
+            first, light = surfaces.out_of_surface(first_surface(pair, disc), patches, side, group, nx, ny)
+            second, own_light = surfaces.out_of_surface(disc, patches, side + 1, group, nx, ny)
+            rate, mobility = sign * first + second - sign * (vx * nx + vy * ny), (light + own_light) * dt
+            if count == WIDTH:
+                rate = rate - mobility * P
+            behind, last = load(dampers.rate, row), load(dampers.force, row)
+            passing = behind - left
+            passing = select(passing == passing, passing, 0.0)
+            # B − ½ ln Q, from what the law, whose level is `bracket` at this place, makes of an approach
+            level = load(forces.approach, row) / (law.A * select(closed, Q, 1.0)) + (law.B - load(forces.bracket, row))
+            c, share = _coefficient(pair, dampers, minimum(Q, law.Q_line), level)
+            F = select(closed, maximum(c * (rate + passing) / (1.0 + c * mobility), -P), 0.0)
+            dampers.work[0] += 0.5 * dt * total(select(chosen & (behind == behind), (last + F) * behind, 0.0))
+            store(dampers.force, row, select(chosen, F, last))
+            store(dampers.whole_force, row, select(chosen, share * F, load(dampers.whole_force, row)))
+            store(dampers.left, row, select(chosen, select(closed, rate - mobility * F, np.nan), left))
+            given, along = F * (sign * dt), F * load(dampers.along, row) * dt
+            x, y = given * nx, given * ny
+            share_nodes(pair, rollers, disc, group, x, y)
+            if count == 1:
+                px, py, i = total(x), total(y), j
+                if surface is None:
+                    i = j + 1 if j + 1 < n else 0
+                moment = _push_late(first_surface(pair, disc), patches, side, group, j, -given, -px, -py)
+                _push_late(disc, patches, side + 1, group, i, given * -sign, px, py)
+                if surface is not None:
+                    pair.moment[1] += moment
+            x, y, turning = along * ny, -(along * nx), F * (dt / rollers.inertia)
+            share_out(velocity, pair, group, n, x * (1.0 / rollers.total_mass), y * (1.0 / rollers.total_mass))
+            if surface is not None:
+                lanes.scatter_add(rollers.turn_kick, group, turning * load(dampers.second, row))
+                pair.impulse[0] -= total(x)
+                pair.impulse[1] -= total(y)
+                pair.moment[0] -= total(F * load(dampers.first, row))
+            else:
+                lanes.scatter_add(rollers.turn_kick, next_rollers(group, n), turning * load(dampers.second, row))
+                lanes.scatter_add(rollers.turn_kick, group, turning * load(dampers.first, row))
+    if surface is not None and count == WIDTH and not later:
+        scatter_normal_forces(pair, rollers, disc, contacts, dampers, dt)
 
 
 _damp_all = every(_damp, Pair)
 
 
 @part
-def _damp_eights(raceway, rollers, disc, contacts, dt):
-    """Eight contacts at once; nodes have not been given the law's kick yet, and are to be given both together."""
-    forces, patches, dampers, sign = contacts.forces, contacts.patches, contacts.dampers, raceway.sign
-    side, columns, velocity, over = 2 * raceway.row, rollers.columns, rollers.velocity, 1.0 / rollers.total_mass
-    taken, ring_x, ring_y, moment = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-    surfaces.fill_ghost_nodes(raceway.surface)
-    for group in range(0, rollers.n, WIDTH):
-        row = raceway.row * columns + group
-        Q, P, left = load(forces.force, row), load(forces.kick, row), load(dampers.left, row)
-        closed = Q > 0.0
-        if not any_lane(closed | (left == left)):
-            continue
-        nx, ny = load_pair(patches.normal, side * columns + group, columns)
-        vx, vy = load_pair(velocity, group, columns)
-        ring, ring_light = surfaces.out_of_surface(raceway.surface, patches, side, group)
-        own, own_light = surfaces.out_of_surface(disc, patches, side + 1, group)
-        out, mobility = sign * ring + own, (ring_light + own_light) * dt
-        rate = out - sign * (vx * nx + vy * ny) - mobility * P
-        behind, last = load(dampers.rate, row), load(dampers.force, row)
-        passing = behind - left
-        passing = select(passing == passing, passing, 0.0)
-        level = _level(raceway.law, select(closed, Q, 1.0), load(forces.approach, row), load(forces.bracket, row))
-        c, whole = _coefficient(raceway, dampers, minimum(Q, raceway.law.Q_line), level)
-        F = select(closed, maximum(c * (rate + passing) / (1.0 + c * mobility), -P), 0.0)
-        taken += select(behind == behind, (last + F) * behind, 0.0)
-        store(dampers.force, row, F)
-        store(dampers.whole_force, row, whole * F)
-        store(dampers.left, row, select(closed, rate - mobility * F, np.nan))
-        given, along = F * (sign * dt), F * load(dampers.along, row) * dt
-        x, y = load_pair(rollers.node_impulse, group, columns)
-        store_pair(rollers.node_impulse, group, columns, x + given * nx, y + given * ny)
-        store_pair(velocity, group, columns, vx + along * ny * over, vy + -(along * nx) * over)
-        turned = F * load(dampers.second, row) * dt
-        store(rollers.turn_kick, group, load(rollers.turn_kick, group) + turned * (1.0 / rollers.inertia))
-        ring_x -= along * ny
-        ring_y += along * nx
-        moment -= F * load(dampers.first, row)
-    dampers.work[0] += 0.5 * dt * total(taken)
-    raceway.impulse[0] += total(ring_x)
-    raceway.impulse[1] += total(ring_y)
-    raceway.moment[0] += total(moment)
-
-
-@part
-def _damp_in_turn(pair, rollers, disc, contacts, dt, first, end):
-    """One contact after another, each with what those before have given: they share rigid bodies, or rollers."""
-    patches, dampers, forces, velocity = contacts.patches, contacts.dampers, contacts.forces, rollers.velocity
-    row, sign, moment, law = pair.row, pair.sign, 0.0, pair.law
-    for j in range(first, end):
-        if not forces.force[row, j] > 0.0:
-            if dampers.force[row, j] != 0.0:
-                dampers.work[0] += 0.5 * dt * dampers.force[row, j] * dampers.rate[row, j]
-            dampers.force[row, j], dampers.whole_force[row, j], dampers.left[row, j] = 0.0, 0.0, np.nan
-            continue
-        nx, ny = patches.normal[row, 0, j], patches.normal[row, 1, j]
-        if pair.surface is not None:
-            i = j
-            ring, ring_light = _velocity_out(pair.surface, patches, 2 * row, j, j, nx, ny)
-            other = sign * (ring - velocity[0, j] * nx - velocity[1, j] * ny)
-        else:
-            i = j + 1 if j + 1 < rollers.n else 0
-            other, ring_light = _velocity_out(disc, patches, 2 * row, j, j, nx, ny)
-            other -= (velocity[0, i] - velocity[0, j]) * nx + (velocity[1, i] - velocity[1, j]) * ny
-        own, own_light = _velocity_out(disc, patches, 2 * row + 1, j, i, nx, ny)
-        rate, mobility, Q = other + own, ring_light + own_light, forces.force[row, j]
-        level = _level(law, Q, forces.approach[row, j], forces.bracket[row, j])
-        c, whole = _coefficient(pair, dampers, min(Q, law.Q_line), level)
-        behind = dampers.rate[row, j]
-        passing = behind - dampers.left[row, j]
-        if not passing == passing:
-            passing = 0.0
-        F = max(c * (rate + passing) / (1.0 + c * mobility * dt), -forces.kick[row, j])
-        if behind == behind:
-            dampers.work[0] += 0.5 * dt * (dampers.force[row, j] + F) * behind
-        dampers.force[row, j], dampers.whole_force[row, j] = F, F * whole
-        dampers.left[row, j] = rate - mobility * dt * F
-        given = dt * F
-        x, y = sign * given * nx, sign * given * ny
-        moment += _push_late(first_surface(pair, disc), patches, 2 * row, j, j, -sign * given, -x, -y)
-        _push_late(disc, patches, 2 * row + 1, j, i, -given, x, y)
-        along = given * dampers.along[row, j]
-        _push_whole_roller(rollers, i, along * ny, -along * nx, given * dampers.second[row, j])
-        if pair.surface is not None:
-            pair.impulse[0] -= along * ny
-            pair.impulse[1] += along * nx
-            pair.moment[0] -= F * dampers.first[row, j]
-        else:
-            _push_whole_roller(rollers, j, -along * ny, along * nx, given * dampers.first[row, j])
-    if pair.surface is not None:
-        pair.moment[1] += moment
-
-
-@part
-def _velocity_out(surface, patches, side, j, column, nx, ny):
-    """Velocity of a contact's patch out of its surface, m/s, and its mobility, 1/kg: of roller `column` against its
-    centre of mass, of a rigid ring along n."""
-    out, light, node = 0.0, 0.0, patches.start[side, j]
-    if isinstance(surface, Hub):
-        return surface.velocity[0] * nx + surface.velocity[1] * ny, 1.0 / surface.late_mass
-    if isinstance(surface, RigidDisc):
-        return 0.0, 1.0 / surface.total_mass
-    if isinstance(surface, RingSurface):
-        for k in range(N_NODES * len(patches.units)):
-            at, share = node + HALO, patches.weight[side, k, j]
-            out += patches.along[side, k, j] * surface.w[surface.row, 0, at]
-            out += patches.across[side, k, j] * surface.w[surface.row, 1, at]
-            light += share * share
-            node = select(node >= surface.n_nodes - 1, 0, node + 1)
-        return out, light / surface.node_mass
-    if isinstance(surface, DiscSurface):
-        bx, by, columns = patches.outward[side, 0, j], patches.outward[side, 1, j], surface.columns
-        for k in range(N_NODES * len(patches.units)):
-            i, share = surface.first + node, patches.weight[side, k, j]
-            at = i * 2 * columns + column
-            out += share * (bx * surface.w[at] + by * surface.w[at + columns])
-            light += share * share * surface.inverse_mass[i]
-            node = select(node >= surface.n_nodes - 1, 0, node + 1)
-    return out, light
-
-
-@part
-def _push_late(surface, patches, side, j, column, impulse, x, y):
+def _push_late(surface, patches, side, group, column, given, x, y):
     """`surfaces.scatter_force` along b once bodies have had their kick; (x, y): fixed axes, N s. Returns its moment."""
     if isinstance(surface, Hub) or isinstance(surface, RigidDisc):
         return surfaces.push_body(surface, column, x, y, 0.0)
-    group = j - j % WIDTH
-    given = select(count_from(group) == j, impulse, 0.0)
-    if isinstance(surface, RingSurface):
-        surfaces.clear_ghost_nodes(surface)
-        moment = total(surfaces.scatter_force(surface, patches, side, group, given, None))
-        surfaces.accumulate_ghost_nodes(surface)
-        return moment
-    if isinstance(surface, DiscSurface):
-        surface.impulse[0, column] += x
-        surface.impulse[1, column] += y
-        surfaces.scatter_force(surface, patches, side, group, given, None)
-    return 0.0
-
-
-@part
-def _push_whole_roller(rollers, j, x, y, around):
-    """An impulse, N s, on roller j as a whole, and one that turns it, N m s."""
-    rollers.velocity[0, j] += x / rollers.total_mass
-    rollers.velocity[1, j] += y / rollers.total_mass
-    rollers.turn_kick[j] += around / rollers.inertia
-
-
-@part
-def _level(law, Q, approach, bracket):
-    """B − ½ ln Q, from what the law below the grid, whose level is `bracket` at this place, makes of an approach, m."""
-    return approach / (law.A * Q) + (law.B - bracket)
+    surfaces.clear_ghost_nodes(surface)
+    moment = total(surfaces.scatter_force(surface, patches, side, group, given, None))
+    surfaces.accumulate_ghost_nodes(surface)
+    return moment
 
 
 @part
 def _coefficient(pair, dampers, Q, level):
-    """N s/m beside the law below the grid under forces, N, scalars or lanes; what of that is beside the whole.
+    """N s/m beside the law below the grid under forces, N, of eight contacts; what of that is beside the whole.
 
     `level` : B − ½ ln Q; of forces beyond the law's line whatever is below that at its beginning.
     """
@@ -304,10 +209,9 @@ def _damp_ring(ring, damping, half, speed, whole_x, whole_y):
 
     `half` : s, half a step back, to where the velocities are. Returns the reaction, N s.
     """
-    width, lost, back_x, back_y = ring.cosines.size, 0.0, 0.0, 0.0
+    width, lost, back_x, back_y = ring.cosines.size, splat(0.0), splat(0.0), splat(0.0)
     for row in range(ring.first_row, ring.last_row):
-        part_lost, part_x, part_y = splat(0.0), splat(0.0), splat(0.0)
-        at = 2 * row * width
+        at, mass = 2 * row * width, ring.row_mass[row]
         for k in range(HALO, width - HALO, WIDTH):
             e, f = load(ring.cosines, k), load(ring.sines, k)
             p, q = load(ring.w, at + k), load(ring.w, at + width + k)
@@ -317,38 +221,31 @@ def _damp_ring(ring, damping, half, speed, whole_x, whole_y):
             own_q = q - speed * x - (whole_y * e - whole_x * f)
             store(ring.w, at + k, p - damping.share * own_p)
             store(ring.w, at + width + k, q - damping.share * own_q)
-            part_lost += own_p * own_p + own_q * own_q
-            part_x += own_p * e - own_q * f
-            part_y += own_p * f + own_q * e
-        lost += ring.row_mass[row] * total(part_lost)
-        back_x += ring.row_mass[row] * total(part_x)
-        back_y += ring.row_mass[row] * total(part_y)
-    damping.work[0] += damping.share * lost
-    return damping.share * back_x, damping.share * back_y
+            lost += mass * (own_p * own_p + own_q * own_q)
+            back_x += mass * (own_p * e - own_q * f)
+            back_y += mass * (own_p * f + own_q * e)
+    damping.work[0] += damping.share * total(lost)
+    return damping.share * total(back_x), damping.share * total(back_y)
 
 
 @part(inlined=False)
 def _whole_motion(ring, half):
     """Speed, rad/s, and velocity at the frame's origin, m/s, by a free ring's momentum and angular momentum."""
-    width, mass, size, turning = ring.cosines.size, 0.0, 0.0, 0.0
-    place_x, place_y, moved_x, moved_y = 0.0, 0.0, 0.0, 0.0
+    width, mass, size, turning = ring.cosines.size, 0.0, splat(0.0), splat(0.0)
+    place_x, place_y, moved_x, moved_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for row in range(ring.first_row, ring.last_row):
-        part_size, part_turning, at, of_node = splat(0.0), splat(0.0), 2 * row * width, ring.row_mass[row]
-        part_x, part_y, part_vx, part_vy = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+        at, m = 2 * row * width, ring.row_mass[row]
+        mass += m * ring.n_sectors
         for k in range(HALO, width - HALO, WIDTH):
             e, f = load(ring.cosines, k), load(ring.sines, k)
             p, q = load(ring.w, at + k), load(ring.w, at + width + k)
             x = ring.radii[row] + load(ring.u, at + k) - half * p
             y = load(ring.u, at + width + k) - half * q
-            part_size += x * x + y * y
-            part_turning += x * q - y * p
-            part_x, part_y = part_x + (x * e - y * f), part_y + (x * f + y * e)
-            part_vx, part_vy = part_vx + (p * e - q * f), part_vy + (p * f + q * e)
-        mass, size = mass + of_node * ring.n_sectors, size + of_node * total(part_size)
-        turning += of_node * total(part_turning)
-        place_x, place_y = place_x + of_node * total(part_x), place_y + of_node * total(part_y)
-        moved_x, moved_y = moved_x + of_node * total(part_vx), moved_y + of_node * total(part_vy)
-    over = 1.0 / mass
-    turning -= over * (place_x * moved_y - place_y * moved_x)
-    speed = turning / (size - over * (place_x * place_x + place_y * place_y))
-    return speed, over * (moved_x + speed * place_y), over * (moved_y - speed * place_x)
+            size += m * (x * x + y * y)
+            turning += m * (x * q - y * p)
+            place_x, place_y = place_x + m * (x * e - y * f), place_y + m * (x * f + y * e)
+            moved_x, moved_y = moved_x + m * (p * e - q * f), moved_y + m * (p * f + q * e)
+    over, x, y = 1.0 / mass, total(place_x), total(place_y)
+    vx, vy = total(moved_x), total(moved_y)
+    speed = (total(turning) - over * (x * vy - y * vx)) / (total(size) - over * (x * x + y * y))
+    return speed, over * (vx + speed * y), over * (vy - speed * x)

@@ -27,10 +27,10 @@ Equation (7) of docs/method.md.
 from fem.kernels import lanes
 from fem.kernels.columns import ROLLER
 from fem.kernels.elements import surfaces
-from fem.kernels.elements.contacts import first_surface, second_rollers, with_dampers
-from fem.kernels.elements.state import DiscSurface, Pair
+from fem.kernels.elements.contacts import first_surface, second_rollers, share_nodes, with_dampers
+from fem.kernels.elements.state import Pair
 from fem.kernels.jit import every, part
-from fem.kernels.lane_functions import load_pair, maximum, minimum, next_rollers
+from fem.kernels.lane_functions import load_pair, maximum, minimum
 from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, load, select, splat, store, total
 from fem.kernels.law import SLIP_FLOOR, STEEPEST, creep_traction
 
@@ -74,19 +74,17 @@ def slips_after(groups, rollers, disc, contacts, dt, lumped):
 
 
 @part
-def friction_contacts(groups, rollers, disc, contacts, drive, later):
+def friction_contacts(groups, rollers, disc, contacts, drive):
     """Tractions of every contact and their impulses.
 
     Those of springs are given by places. Of others each is implicit in its own patch's velocity. Where patches of
     neighbours overlap (on coarse meshes), each starts from its last value and every other one is solved for in turn
     (Gauss and Seidel): without neighbours' part sticking contacts would shake each other. Bodies declared rigid have
-    springs at all contacts.
-
-    `later` : nodes are given the impulses of the normal forces here too, in one pass
+    springs at all contacts; where none has, these give nodes the impulses of the normal forces too, in one pass.
     """
     friction = contacts.friction
     if friction.shear is not None:
-        _pull_all(groups, rollers, disc, contacts, drive, later)
+        _pull_all(groups, rollers, disc, contacts, drive)
     elif friction.overlapping is None:
         _creep_at_once(groups, rollers, disc, contacts, drive)
     else:
@@ -200,58 +198,28 @@ def _find_tractions(pair, rollers, disc, contacts, dt, some):
 
 
 @part
-def _apply(pair, rollers, disc, contacts, dt):
-    """Give the bodies of a pair the impulses of the changes of its tractions in a step."""
+def _apply(pair, rollers, disc, contacts, kick, dt):
+    """Give the bodies of a pair the impulses of the changes of its tractions in a step; nodes in one pass with those of
+    `kick`, the normal forces, unless it is None."""
     patches, side, moment, surface = contacts.patches, 2 * pair.row, splat(0.0), first_surface(pair, disc)
     surfaces.clear_ghost_nodes(surface)
     for group in range(0, rollers.n, WIDTH):
-        given = load(contacts.friction.change, pair.row * rollers.columns + group) * dt  # along t on side 1
-        if any_lane(given != 0.0):
+        row, outward, inward = pair.row * rollers.columns + group, None, None
+        rubbed = load(contacts.friction.change, row) * dt  # along t on side 1
+        acts = rubbed != 0.0
+        if kick is not None:
+            inward = with_dampers(contacts.dampers, row, load(kick, row)) * -dt
+            outward, acts = inward * pair.sign, acts | (inward != 0.0)
+        if any_lane(acts):
             nx, ny = _normals(contacts, pair, group)
-            surfaces.scatter_force(disc, patches, side + 1, group, None, given * -pair.sign)
-            _count_impulses(pair, rollers, disc, group, given * nx, given * ny)
-            moment += surfaces.scatter_force(surface, patches, side, group, None, -given)
+            surfaces.scatter_force(disc, patches, side + 1, group, inward, rubbed * -pair.sign)
+            share_nodes(pair, rollers, disc, group, -(rubbed * ny), rubbed * nx)
+            moment += surfaces.scatter_force(surface, patches, side, group, outward, -rubbed)
     surfaces.accumulate_ghost_nodes(surface)
     if pair.surface is not None:
         pair.moment[1] += total(moment)
     if contacts.friction.whole is not None:
         _drag_bodies(pair, rollers, disc, contacts, dt)
-
-
-@part
-def _push_and_drag(pair, rollers, disc, contacts, dt):
-    """Give the nodes of a pair the impulses of its normal forces and of its tractions in a step, in one pass."""
-    patches, side, moment, surface = contacts.patches, 2 * pair.row, splat(0.0), first_surface(pair, disc)
-    surfaces.clear_ghost_nodes(surface)
-    for group in range(0, rollers.n, WIDTH):
-        row, pushing = pair.row * rollers.columns + group, splat(0.0)
-        # dampers of rollers that touch come one by one, need the normal forces' impulses before, and have had them
-        if pair.surface is not None or contacts.dampers is None:
-            pushing = with_dampers(contacts.dampers, row, load(contacts.forces.kick, row))
-        pushed, rubbed = pushing * -dt, load(contacts.friction.change, row) * dt
-        if any_lane((pushed != 0.0) | (rubbed != 0.0)):
-            nx, ny = _normals(contacts, pair, group)
-            surfaces.scatter_force(disc, patches, side + 1, group, pushed, rubbed * -pair.sign)
-            _count_impulses(pair, rollers, disc, group, rubbed * nx, rubbed * ny)
-            moment += surfaces.scatter_force(surface, patches, side, group, pushed * pair.sign, -rubbed)
-    surfaces.accumulate_ghost_nodes(surface)
-    if pair.surface is not None:
-        pair.moment[1] += total(moment)
-
-
-@part
-def _count_impulses(pair, rollers, disc, group, x, y):
-    """Count impulses along t, the normal's (x, y) turned, that nodes of rollers are given to their centres' motion."""
-    if isinstance(disc, DiscSurface):
-        if pair.surface is not None:
-            lanes.scatter_add(disc.impulse, group, -y)
-            lanes.scatter_add(disc.impulse, group + disc.columns, x)
-        else:
-            i = next_rollers(group, rollers.n)
-            lanes.scatter_add(disc.impulse, i, -y)
-            lanes.scatter_add(disc.impulse, i + disc.columns, x)
-            lanes.scatter_add(disc.impulse, group, y)
-            lanes.scatter_add(disc.impulse, group + disc.columns, -x)
 
 
 @part
@@ -276,26 +244,26 @@ def _creep(pair, rollers, disc, contacts, drive, what):
     friction, dt = contacts.friction, drive.dt
     if what == ALONE:
         _find_tractions(pair, rollers, disc, contacts, dt, ALL)
-        _apply(pair, rollers, disc, contacts, dt)
+        _apply(pair, rollers, disc, contacts, None, dt)
     if what == AS_BEFORE:  # of contacts that are still closed
         for group in range(0, rollers.n, WIDTH):
             row = pair.row * rollers.columns + group
             last = select(load(contacts.forces.force, row) > 0.0, load(friction.traction, row), 0.0)
             store(friction.traction, row, last)
             store(friction.change, row, last)
-        _apply(pair, rollers, disc, contacts, dt)
+        _apply(pair, rollers, disc, contacts, None, dt)
     if what == IN_TURN:
         for some in range(2):
             slip_velocity(pair, rollers, disc, contacts, rollers.turn_kick, friction.slip_left)
             _find_tractions(pair, rollers, disc, contacts, dt, some)
-            _apply(pair, rollers, disc, contacts, dt)
+            _apply(pair, rollers, disc, contacts, None, dt)
 
 
 # tangential springs
 
 
 @part
-def _pull(pair, rollers, disc, contacts, drive, later):
+def _pull(pair, rollers, disc, contacts, drive):
     """Tractions of a pair's contacts from springs that have followed the slips, and their impulses."""
     friction, dt = contacts.friction, drive.dt
     for group in range(0, rollers.n, WIDTH):
@@ -311,10 +279,12 @@ def _pull(pair, rollers, disc, contacts, drive, later):
             store(friction.shear.since, row, splat(0.0))
         store(friction.traction, row, T)
         store(friction.change, row, T)
-    if later:
-        _push_and_drag(pair, rollers, disc, contacts, dt)
-    else:
-        _apply(pair, rollers, disc, contacts, dt)
+    kick = None
+    if friction.whole is None:
+        # dampers of rollers that touch come one by one, need the normal forces' impulses before, and have had them
+        if pair.surface is not None or contacts.dampers is None:
+            kick = contacts.forces.kick
+    _apply(pair, rollers, disc, contacts, kick, dt)
 
 
 @part

@@ -115,7 +115,7 @@ def kick(bodies, groups, contacts, drive, time, scratch):
         damp_contacts(groups, bodies, contacts, drive, later)
         further.take_all_late(bodies.others)
     if friction.coefficient > 0.0:
-        friction_contacts(groups, rollers, surface, contacts, drive, later)
+        friction_contacts(groups, rollers, surface, contacts, drive)
     further.end_kicks(bodies.others, drive)
     _make_ready(bodies, drive, scratch)
     moved_x = dt * (before_x + velocity[0]) + slowed[0, 0] + slowed[1, 0]
@@ -129,17 +129,12 @@ def _kick_nodes(bodies, drive, scratch):
     """Internal forces' and gravity's kicks of all nodes; the rollers' second-order torque in `scratch.torque`."""
     inner, outer = bodies.inner, bodies.outer
     discs.kick(bodies.disc, bodies.disc.w, bodies.rollers.columns, scratch.torque)
-    if drive.gravity > 0.0:  # in the frames' axes
-        g = -drive.gravity * drive.dt
-        c, s = drive.frame[1], drive.frame[2]
-        rings.set_rigid(scratch.bore, 0, inner.cosines, inner.sines, s * g, c * g)
-        c, s = outer_axes(drive)
-        rings.set_rigid(scratch.line, 0, outer.cosines, outer.sines, s * g, c * g)
-        rings.kick_and_add(inner.table, inner.u, inner.w, scratch.bore, inner.first_row, inner.last_row)
-        rings.kick_and_add(outer.table, outer.u, outer.w, scratch.line, outer.first_row, outer.last_row)
-    else:
-        rings.kick(inner.table, inner.u, inner.w, inner.first_row, inner.last_row)
-        rings.kick(outer.table, outer.u, outer.w, outer.first_row, outer.last_row)
+    g, c, s = -drive.gravity * drive.dt, drive.frame[1], drive.frame[2]  # in the frames' axes
+    rings.set_rigid(scratch.bore, 0, inner.cosines, inner.sines, s * g, c * g)
+    c, s = outer_axes(drive)
+    rings.set_rigid(scratch.line, 0, outer.cosines, outer.sines, s * g, c * g)
+    rings.kick(inner.table, inner.u, inner.w, scratch.bore, inner.first_row, inner.last_row)
+    rings.kick(outer.table, outer.u, outer.w, scratch.line, outer.first_row, outer.last_row)
 
 
 @part

@@ -55,10 +55,13 @@ class Side(NamedTuple):
 
 
 @part
-def _side(pair, number, column, sign, facing, turn, n_nodes, j, contacts):
-    """One surface of contact j, whose patch is cleared; `facing` : ±1, of its outward direction by the normal."""
-    patches, points, patch, (c, s) = contacts.patches, contacts.points, 2 * pair.row + number, turn
+def _side(pair, number, column, c, s, n_nodes, j, contacts):
+    """One surface of contact j, of a body turned by c and s; its patch is cleared."""
+    patches, points, patch = contacts.patches, contacts.points, 2 * pair.row + number
     nx, ny = patches.normal[pair.row, 0, j], patches.normal[pair.row, 1, j]
+    sign, facing = pair.sign, 1.0
+    if number == 1:
+        sign = facing = -pair.sign
     for k in range(patches.weight.shape[1]):
         patches.weight[patch, k, j] = 0.0
     bx, by = facing * (c * nx + s * ny), facing * (c * ny - s * nx)
@@ -115,9 +118,8 @@ def _press(pair, j, i, overlap, distance, rollers, disc, contacts, dt):
     c, s, away_x, away_y = rollers.cosine[j], rollers.sine[j], 0.0, 0.0
     if pair.surface is not None:
         c, s, away_x, away_y = pair.frame[1], pair.frame[2], pair.counted_from[0], pair.counted_from[1]
-    one = _side(pair, 0, j, sign, 1.0, (c, s), surface.n_nodes, j, contacts)
-    turn = rollers.cosine[i], rollers.sine[i]
-    other = _side(pair, 1, i, -sign, -sign, turn, disc.n_nodes, j, contacts)
+    one = _side(pair, 0, j, c, s, surface.n_nodes, j, contacts)
+    other = _side(pair, 1, i, rollers.cosine[i], rollers.sine[i], disc.n_nodes, j, contacts)
     for q in range(n_points):
         out_0, sideways_0, rate_0 = _read_side(surface, one, row, q, points, away_x, away_y)
         out_1, sideways_1, rate_1 = _read_side(disc, other, row, q, points, 0.0, 0.0)
@@ -353,12 +355,10 @@ def _spring_kick(before, now, stiffness):
 
     `before`, `now` : float, m, closing at the kick before and at this one; negative: apart, NaN: not known.
     """
-    Q = stiffness * max(now, 0.0)
+    Q, last = stiffness * max(now, 0.0), stiffness * max(before, 0.0)
     if np.isnan(before) or before * now >= 0.0:  # closed at both, the spring's own force does just that work
         return Q
-    Q_before = stiffness * max(before, 0.0)
-    stored = 0.5 * (Q * max(now, 0.0) - Q_before * max(before, 0.0))
-    return 0.5 * (Q - Q_before) + stored / (now - before)
+    return 0.5 * (Q - last + (Q * now - last * before) / (now - before))
 
 
 @part(inlined=False)
@@ -369,17 +369,11 @@ def spread_forces(points, spread, row, j):
     sweeps. Not a number where the outermost points are closed: the contact is wider than them.
     """
     closing, force, closed = points.closing, points.force, spread.closed
-    n = closing.size
-    first, end = closed[row, j, 0], closed[row, j, 1]
-    for q in range(n):
-        force[q] = 0.0
+    n, first, end, solved = closing.size, closed[row, j, 0], closed[row, j, 1], False
+    force[:] = 0.0
     if first >= end:
-        first = 0
-        for q in range(n):
-            if closing[q] > closing[first]:
-                first = q
+        first = np.argmax(closing)
         end = first + 1
-    solved = False
     for _ in range(2 * n):
         if first == end:
             break

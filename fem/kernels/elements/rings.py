@@ -86,17 +86,13 @@ def row_force(table, u, row, out):
 
 
 @part(inlined=False)
-def kick(table, u, w, first_row, last_row):
-    """w += dt·internal acceleration for rows first_row ... last_row − 1; table holds −dt·M⁻¹K."""
-    for row in range(first_row, last_row):
-        _row_force(table, u, row, w, 2 * row * u.shape[2], w, None)
+def kick(table, u, w, line, first_row, last_row):
+    """w += dt·internal acceleration for rows first_row ... last_row − 1; table holds −dt·M⁻¹K.
 
-
-@part(inlined=False)
-def kick_and_add(table, u, w, line, first_row, last_row):
-    """`kick`, and the velocities of one row, (2, width), m/s, added to every row: gravity."""
+    `line` : (2, width), m/s, velocities of one row, added to every row: gravity; None: nothing
+    """
     for row in range(first_row, last_row):
-        _row_force(table, u, row, w, 2 * row * u.shape[2], w, (line, 0, 1.0))
+        _row_force(table, u, row, w, 2 * row * u.shape[2], w, None if line is None else (line, 0, 1.0))
 
 
 @part(inlined=False)

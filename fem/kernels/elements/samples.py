@@ -18,8 +18,7 @@ from fem.kernels.elements.state import Pair, RigidDisc
 from fem.kernels.elements.tilted import SlicedLaw
 from fem.kernels.jit import every, part
 from fem.kernels.lane_functions import cosine_and_sine, load_pair
-from fem.kernels.lanes import WIDTH, load, splat
-from fem.kernels.lanes import total as lane_total
+from fem.kernels.lanes import WIDTH, load, splat, total
 from fem.kernels.law import contact_energy
 
 
@@ -147,21 +146,17 @@ def _drive_work(inner, drive, scratch, time, moment):
 def _changes(ring, before):
     """Of a ring's free nodes, by both half steps: twice their angular momentum about the frame's origin, N m s; twice
     their kinetic energy, J; and Σ m X times what their radial velocities have gained in a kick, kg m²/s."""
-    angular, kinetic, outward = 0.0, 0.0, 0.0
+    angular, kinetic, outward = splat(0.0), splat(0.0), splat(0.0)
     for row in range(ring.first_row, ring.last_row):
-        radial, tangential = _lines(ring, row)
-        turning, moving, gained = splat(0.0), splat(0.0), splat(0.0)
+        (radial, tangential), mass = _lines(ring, row), ring.row_mass[row]
         for k in range(HALO, HALO + ring.n_sectors, WIDTH):
             x, y = ring.radii[row] + load(ring.u, radial + k), load(ring.u, tangential + k)
             a, b = load_pair(before, radial + k, tangential - radial)
             p, q = load_pair(ring.w, radial + k, tangential - radial)
-            turning += x * (b + q) - y * (a + p)
-            moving += a * p + b * q
-            gained += p - a
-        angular += ring.row_mass[row] * lane_total(turning)
-        kinetic += ring.row_mass[row] * lane_total(moving)
-        outward += ring.row_mass[row] * ring.radii[row] * lane_total(gained)
-    return angular, kinetic, outward
+            angular += mass * (x * (b + q) - y * (a + p))
+            kinetic += mass * (a * p + b * q)
+            outward += mass * ring.radii[row] * (p - a)
+    return total(angular), total(kinetic), total(outward)
 
 
 @part
@@ -186,94 +181,64 @@ def kinetic_energy(bodies, drive, scratch):
     v = w − γ dt² M⁻¹K·w is what nodes move at. Less ½ (1 − cos ω dt) Σ m X·a of the bodies that turn: their forces turn
     with them within a step.
     """
-    rollers, disc, inner = bodies.rollers, bodies.disc, bodies.inner
+    rollers, disc, inner, moving = bodies.rollers, bodies.disc, bodies.inner, splat(0.0)
     outer = None if drive.history is None else drive.history.outer
-    total, dt, columns, n = 0.0, drive.dt, rollers.columns, rollers.n
+    dt, columns, n = drive.dt, rollers.columns, rollers.n
     for j in range(0, n, WIDTH):
         cosine, _ = cosine_and_sine(load(rollers.spin, j) * dt)
         turned, kick = (1.0 - cosine) * (1.0 / dt), load(rollers.turn_kick, j)
-        part = splat(0.0)
         for i in range(disc.mass.size):
             at, x, y = 2 * i * columns + j, disc.points[2 * i], disc.points[2 * i + 1]
             bx, by = load_pair(scratch.rollers_w, at, columns)
             ax, ay = load_pair(disc.w, at, columns)
             outward = x * (ax - bx) + y * (ay - by)
             around = x * by - y * bx  # what turning as a whole will still add to the velocities after
-            part += disc.mass[i] * (bx * ax + by * ay - turned * outward + kick * around)
-        total += lane_total(part)
-    if isinstance(bodies.surface, RigidDisc):
-        spinning = 0.0
-        for j in range(n):
-            spinning += rollers.inertia * rollers.spin[j] * (rollers.spin[j] + rollers.turn_kick[j])
-        total += spinning
+            moving += disc.mass[i] * (bx * ax + by * ay - turned * outward + kick * around)
+    found = total(moving)
     for j in range(n):
+        if isinstance(bodies.surface, RigidDisc):
+            found += rollers.inertia * rollers.spin[j] * (rollers.spin[j] + rollers.turn_kick[j])
         for component in range(2):
             before = scratch.rollers_velocity[component, j]
             after = rollers.velocity[component, j] + rollers.node_impulse[component, j] / rollers.total_mass
-            total += rollers.total_mass * before * after
-    (_, moving, gained), speed = _changes(inner, scratch.inner_w), speed_of(drive)
-    _, moving_o, gained_o = _changes(bodies.outer, scratch.outer_w)
-    total += moving + moving_o
-    total -= (1.0 - cos(speed * dt)) * gained / dt
-    before, after = scratch.hub_velocity, drive.velocity
-    total += drive.mass * (before[0] * after[0] + before[1] * after[1])
+            found += rollers.total_mass * before * after
+    _, of_inner, gained = _changes(inner, scratch.inner_w)
+    _, of_outer, gained_o = _changes(bodies.outer, scratch.outer_w)
+    before, after, speed = scratch.hub_velocity, drive.velocity, speed_of(drive)
+    found += of_inner + of_outer + _rim(inner) * speed * speed - (1.0 - cos(speed * dt)) * gained / dt
+    found += drive.mass * (before[0] * after[0] + before[1] * after[1])
     if drive.slowing > 0.0:  # −dt wᵀKw of velocities before and the calmed ones after a kick, ready for the stencil
         if drive.calming > 0.0:
             discs.calm(disc, columns, drive.calming)
         power = discs.strain_power(disc, disc.calmed, scratch.rollers_w, columns, n)
-        power += _ring_strain_power(inner, scratch.inner_w, scratch.bore)
-        total += drive.slowing / dt * (power + _ring_strain_power(bodies.outer, scratch.outer_w, scratch.line))
-    rim = speed * inner.radii[inner.held]
-    total += inner.row_mass[inner.held] * inner.n_sectors * rim * rim
+        power += _ring_power(inner, inner.calmed, scratch.inner_w, scratch.bore)
+        power += _ring_power(bodies.outer, bodies.outer.calmed, scratch.outer_w, scratch.line)
+        found += drive.slowing / dt * power
     if outer is not None:  # its held row, and how its forces turn with it
         turning = outer.now[SPEED]
-        total += _rim(bodies.outer) * turning * turning - (1.0 - cos(turning * dt)) * gained_o / dt
-    return 0.5 * total
-
-
-@part(inlined=False)
-def _ring_strain_power(ring, before, line):
-    total, width = 0.0, ring.cosines.size
-    for row in range(ring.radii.size):
-        rings.row_force(ring.table, ring.calmed, row, line)
-        part, at = splat(0.0), 2 * row * width
-        for k in range(HALO, HALO + ring.n_sectors, WIDTH):
-            part += load(before, at + k) * load(line, k) + load(before, at + width + k) * load(line, width + k)
-        total += ring.row_mass[row] * lane_total(part)
-    return total
+        found += _rim(bodies.outer) * turning * turning - (1.0 - cos(turning * dt)) * gained_o / dt
+    return 0.5 * found
 
 
 @part(inlined=False)
 def elastic_energy(bodies, drive, scratch):
-    """Energy ½ uᵀKu of all bodies, J. The copies of velocities in `scratch` are overwritten."""
-    disc, total, dt, columns = bodies.disc, 0.0, drive.dt, bodies.rollers.columns
-    scratch.rollers_w[:] = 0.0
-    discs.kick(disc, scratch.rollers_w, columns, scratch.torque)
-    for j in range(0, bodies.rollers.n, WIDTH):
-        part = splat(0.0)
-        for i in range(disc.mass.size):
-            at, mass = 2 * i * columns + j, disc.mass[i] / dt
-            part += mass * (load(disc.u, at) * load(scratch.rollers_w, at))
-            part += mass * (load(disc.u, at + columns) * load(scratch.rollers_w, at + columns))
-        total -= lane_total(part)
-    total += _ring_elastic(bodies.inner, scratch.inner_w, dt)
-    total += _ring_elastic(bodies.outer, scratch.outer_w, dt)
-    return 0.5 * total
+    """Energy ½ uᵀKu of all bodies, J; the held rows move with hub or housing."""
+    disc, inner, outer = bodies.disc, bodies.inner, bodies.outer
+    power = discs.strain_power(disc, disc.u, disc.u, bodies.rollers.columns, bodies.rollers.n)
+    power += _ring_power(inner, inner.u, inner.u, scratch.bore) + _ring_power(outer, outer.u, outer.u, scratch.line)
+    return -0.5 / drive.dt * power
 
 
 @part(inlined=False)
-def _ring_elastic(ring, room, dt):
-    """uᵀKu, J, of all rows: the held ones move with hub or housing."""
-    room[:] = 0.0
-    rings.kick(ring.table, ring.u, room, 0, ring.radii.size)
-    total = 0.0
+def _ring_power(ring, field, other, line):
+    """−dt otherᵀK·field of all rows of a ring; `line` : (2, width), room."""
+    found, width = splat(0.0), ring.cosines.size
     for row in range(ring.radii.size):
-        part = splat(0.0)
-        for line in _lines(ring, row):
-            for k in range(line + HALO, line + HALO + ring.n_sectors, WIDTH):
-                part += load(ring.u, k) * load(room, k)
-        total -= ring.row_mass[row] / dt * lane_total(part)
-    return total
+        rings.row_force(ring.table, field, row, line)
+        at, mass = 2 * row * width, ring.row_mass[row]
+        for k in range(HALO, HALO + ring.n_sectors, WIDTH):
+            found += mass * (load(other, at + k) * load(line, k) + load(other, at + width + k) * load(line, width + k))
+    return total(found)
 
 
 @part
@@ -297,16 +262,13 @@ add_contact_energy = every(_add_contact_energy, Pair)
 @part(inlined=False)
 def _ring_place(ring, c, s):
     """Σ m x and Σ m y of the free nodes, kg m; c, s of the ring's turn."""
-    total_x, total_y = 0.0, 0.0
+    x, y = splat(0.0), splat(0.0)
     for row in range(ring.first_row, ring.last_row):
-        radial, tangential = _lines(ring, row)
-        x, y = splat(0.0), splat(0.0)
+        (radial, tangential), mass = _lines(ring, row), ring.row_mass[row]
         for k in range(HALO, HALO + ring.n_sectors, WIDTH):
             a, b = load(ring.u, radial + k), load(ring.u, tangential + k)
             cosine, sine = load(ring.cosines, k), load(ring.sines, k)
-            x += a * cosine - b * sine
-            y += a * sine + b * cosine
-        sum_x, sum_y = ring.row_mass[row] * lane_total(x), ring.row_mass[row] * lane_total(y)
-        total_x += c * sum_x - s * sum_y
-        total_y += s * sum_x + c * sum_y
-    return total_x, total_y
+            x += mass * (a * cosine - b * sine)
+            y += mass * (a * sine + b * cosine)
+    sum_x, sum_y = total(x), total(y)
+    return c * sum_x - s * sum_y, s * sum_x + c * sum_y

@@ -126,24 +126,17 @@ def _products(one, other):
 
 
 @part
+def _scaled(x, one):
+    a, b, c, d, e, f = one
+    return x * a, x * b, x * c, x * d, x * e, x * f
+
+
+@part
 def _combined(x, one, y, other):
     """x·one + y·other, of two sets of six."""
     a, b, c, d, e, f = one
     p, q, r, s, t, u = other
     return x * a + y * p, x * b + y * q, x * c + y * r, x * d + y * s, x * e + y * t, x * f + y * u
-
-
-@part
-def _take_pairs(array, patches, at):
-    """x and y of the six nodes of eight patches of rollers."""
-    place, step = patches.place, patches.columns
-    x0, y0 = lanes.gather_places(array, place, at, step)
-    x1, y1 = lanes.gather_places(array, place, at + step, step)
-    x2, y2 = lanes.gather_places(array, place, at + 2 * step, step)
-    x3, y3 = lanes.gather_places(array, place, at + 3 * step, step)
-    x4, y4 = lanes.gather_places(array, place, at + 4 * step, step)
-    x5, y5 = lanes.gather_places(array, place, at + 5 * step, step)
-    return (x0, x1, x2, x3, x4, x5), (y0, y1, y2, y3, y4, y5)
 
 
 @part
@@ -225,7 +218,7 @@ def _interpolate_on_roller(disc, patches, side, group, column):
     t = load(patches.beyond, here)
     share, change = weights(t), weight_slopes(t)
     put(patches.weight, at, columns, share)
-    x, y = _take_pairs(disc.u, patches, at)
+    x, y = lanes.gather_nodes(disc.u, patches.place, at, columns)
     ux, uy, sx, sy = _dot(share, x), _dot(share, y), _dot(change, x), _dot(change, y)
     ripple, ripple_slope = seamless(load(patches.position, here), disc.ripple)
     bx, by = load_pair(patches.outward, 2 * side * columns + group, columns)
@@ -234,20 +227,21 @@ def _interpolate_on_roller(disc, patches, side, group, column):
 
 
 @part
-def out_of_surface(surface, patches, side, group):
+def out_of_surface(surface, patches, side, group, nx, ny):
     """Velocities of patches along b, m/s, of rollers against their centres of mass, and their mobilities, 1/kg; of a
-    raceway whose ghost nodes are filled. Rigid bodies have neither."""
+    raceway whose ghost nodes are filled; of a rigid ring along n. What stands still has neither."""
+    if isinstance(surface, Hub):
+        return surface.velocity[0] * nx + surface.velocity[1] * ny, splat(1.0 / surface.late_mass)
+    if isinstance(surface, RigidDisc):
+        return splat(0.0), splat(1.0 / surface.total_mass)
     at, columns, out, light = first_weight(patches, side, group), patches.columns, splat(0.0), splat(0.0)
     if isinstance(surface, DiscSurface):
-        out_y, (bx, by) = splat(0.0), load_pair(patches.outward, 2 * side * columns + group, columns)
+        bx, by = load_pair(patches.outward, 2 * side * columns + group, columns)
         for unit in range(len(patches.units)):
             i = at + unit * N_NODES * columns
-            share = take(patches.weight, i, columns)
-            x, y = _take_pairs(surface.w, patches, i)
-            out += _dot(share, x)
-            out_y += _dot(share, y)
+            share, (x, y) = take(patches.weight, i, columns), lanes.gather_nodes(surface.w, patches.place, i, columns)
+            out += bx * _dot(share, x) + by * _dot(share, y)
             light += _dot(_products(share, share), take(patches.inverse_mass, i, columns))
-        out = out * bx + out_y * by
     if isinstance(surface, RingSurface):
         for unit in range(len(patches.units)):
             i = at + unit * N_NODES * columns
@@ -272,7 +266,7 @@ def tangential_velocity(surface, patches, side, group, column, nx, ny):
     for unit in range(len(patches.units)):
         i = at + unit * N_NODES * columns
         if isinstance(surface, DiscSurface):
-            x, y = _take_pairs(surface.v, patches, i)
+            x, y = lanes.gather_nodes(surface.v, patches.place, i, columns)
             found += _dot(take(patches.traction_x, i, columns), x) + _dot(take(patches.traction_y, i, columns), y)
         if isinstance(surface, RingSurface):
             width = surface.cosines.size
@@ -348,9 +342,9 @@ def body_mobility(surface):
 def _shares(impulse, normal, around, tangential, at, columns):
     """What six nodes of eight patches get of impulses along b and along surfaces, of which either may be None."""
     if around is None:
-        return _products((impulse, impulse, impulse, impulse, impulse, impulse), take(normal, at, columns))
+        return _scaled(impulse, take(normal, at, columns))
     if impulse is None:
-        return _products((around, around, around, around, around, around), take(tangential, at, columns))
+        return _scaled(around, take(tangential, at, columns))
     return _combined(impulse, take(normal, at, columns), around, take(tangential, at, columns))
 
 
@@ -364,10 +358,9 @@ def scatter_force(surface, patches, side, group, impulse, around):
             i = at + unit * N_NODES * columns
             radial = _shares(impulse, patches.along, around, patches.traction_x, i, columns)
             tangential = _shares(impulse, patches.across, around, patches.traction_y, i, columns)
-            a, b, c, d, e, f = radial
             p, q, r, s, t, v = tangential
-            lanes.add_to_rows(w, place, i, 0, (over * a, over * b, over * c, over * d, over * e, over * f))
-            lanes.add_to_rows(w, place, i, width, (over * p, over * q, over * r, over * s, over * t, over * v))
+            lanes.add_to_rows(w, place, i, 0, _scaled(over, radial))
+            lanes.add_to_rows(w, place, i, width, _scaled(over, tangential))
             x, y = gather_rows(u, place, i, 0), gather_rows(u, place, i, width)
             moment += surface.radius * (((p + q) + (r + s)) + (t + v)) + (_dot(x, tangential) - _dot(y, radial))
     elif isinstance(surface, DiscSurface):

@@ -57,7 +57,8 @@ def find_forces(step, inside):
         deep_i, deep_o = reach - away, out - track
         if forces.slope is not None:
             met = surfaces_met(step, group, turn)
-            deep_i, deep_o = keep_edges(step, group, met, deep_i, deep_o)
+            deep_i = keep_edges(step, INNER, group, met, deep_i)
+            deep_o = keep_edges(step, OUTER, group, met, deep_o)
         if coupling is not None:
             guess_i, guess_o = guesses(forces, forces.guess, group, there)
             less_i, less_o = along_rings(coupling, forces, forces.guess, group)
@@ -104,7 +105,8 @@ def find_forces(step, inside):
                 turn_o = M_o + cross_o * (coupling.across * (Q_i - guess_i)) - given_o
                 store_pair(forces.tilted.gained, at, width, factor * turn_i, factor * turn_o)
         if forces.slope is not None:
-            keep_slopes(step, group, met, Q_i, Q_o)
+            keep_slopes(step, INNER, group, met, Q_i)
+            keep_slopes(step, OUTER, group, met, Q_o)
     if coupling is not None:
         _correct(bodies, contacts, forces)
     return _sums(bodies, forces, drive)

@@ -513,7 +513,7 @@ def test_a_direction_gets_its_place_among_the_nodes(n):
 
 
 def of_springs(stiffness, faceted):
-    return (FacetedModel if faceted else PenaltyModel).of_stiffness(paper(), 2e-3, stiffness)
+    return (FacetedModel if faceted else PenaltyModel).build(paper(), 2e-3, stiffness=stiffness)
 
 
 def test_sagittas_are_those_of_the_meshes_own_chords():

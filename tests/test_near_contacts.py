@@ -264,7 +264,7 @@ def five():
 
 @cache
 def spread_model(mesh_size):
-    return SpreadModel.of_force(five(), mesh_size, LOAD)
+    return SpreadModel.build(five(), mesh_size, LOAD)
 
 
 def solved(model, load=LOAD, first=ON_A_ROLLER):

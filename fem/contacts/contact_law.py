@@ -52,10 +52,9 @@ class ContactLaw:
         return self.A * (low * bracket + STEEPEST * (force - low))
 
     def energy(self, force):
-        """Stored energy, J, of a force, N, >= 0: ∫ Q dδ."""
+        """Stored energy, J, of a force, N, >= 0: ∫ Q dδ = Q δ − ∫ δ dQ."""
         low = np.minimum(force, self.Q_line)
-        bracket = self.B - 0.5 * np.log(np.maximum(low, 1e-300))
-        return 0.5 * self.A * (low**2 * (bracket - 0.25) + STEEPEST * (np.square(force) - low**2))
+        return 0.5 * force * self.approach(force) - 0.125 * self.A * low * (2.0 * force - low)
 
     def stiffness(self, force: float) -> float:
         """dQ/dδ, N/m, at a force, N, > 0."""

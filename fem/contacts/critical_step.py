@@ -48,17 +48,14 @@ def critical_time_step(
     """
     bodies = [(body.shape, body.material) for body in (model.roller, model.inner_ring, model.outer_ring)]
     perfect = replace(model.bearing, faults=())  # what surfaces lack makes no contact stiffer
-    housing, shaft = mounting.housing, mounting.shaft
-    carried = tuple(part for part in (housing, shaft) if part is not None)
-    of_mount = 0.0 if housing is None else housing.stiffness / housing.mass
-    if shaft is not None:
-        of_mount, carried = max(of_mount, shaft.stiffness / hub_mass), (*carried, hub_mass)
-    if further > 0.0:
-        of_mount, carried = of_mount + further, (*carried, further)
-    if isinstance(model.outer_ring, BoredRing):
-        carried = (*carried, model.outer_ring.stiffness)
-    elif isinstance(model.outer_ring, LooseRing):  # held at points: all of it counts as free
-        carried = (*carried, "free outer ring")
+    housing, shaft, ring = mounting.housing, mounting.shaft, model.outer_ring
+    of_mount = further + max(
+        0.0 if housing is None else housing.stiffness / housing.mass,
+        0.0 if shaft is None else shaft.stiffness / hub_mass,
+    )
+    # one held at points counts as free
+    outside = ring.stiffness if isinstance(ring, BoredRing) else isinstance(ring, LooseRing)
+    carried = housing, shaft, None if shaft is None else hub_mass, further, outside
     key = repr((type(model).__name__, perfect, bodies, model.laws, largest_force, mass, sticks, *carried))
     force = LOAD_MARGIN * max(largest_force, 1.0)
     found = kept("step", key, lambda: {"critical": np.array(_found(model, force, housing, of_mount, mass, sticks))})

@@ -126,10 +126,10 @@ class KernelData(NamedTuple):
     laws: tuple[Law, ...]
     ripples: tuple[np.ndarray, ...]  # of the raceways and the rollers; empty without a law below the grid
     units: tuple[int, ...]  # of `Patches`
-    points: Points | None
-    shear_levels: tuple[float, ...] | None  # of `Shear`, by kind; None: no tangential springs
     neighbourly: float  # surface nodes; contacts as near as that push nodes of each other's
-    facet_depth: float  # m, by which both surfaces of a contact may lie below their circles
+    facet_depth: float = 0.0  # m, by which both surfaces of a contact may lie below their circles
+    points: Points | None = None
+    shear_levels: tuple[float, ...] | None = None  # of `Shear`, by kind; None: no tangential springs
     whole_levels: tuple[float, ...] | None = None  # by kind, of `Dampers`; None: there can't be any
 
 
@@ -161,18 +161,18 @@ class Model:
     stress_note: ClassVar[str | None] = None  # how the mesh carries contacts, where pictures add nothing to its stress
 
     @classmethod
-    def build(cls, bearing: Bearing, mesh_size: float, expected, contact) -> "Model":
+    def build(cls, bearing: Bearing, mesh_size: float, largest_force: float = 0.0, stiffness: float = 0.0) -> "Model":
         """Mesh and assemble a bearing at a surface spacing, m.
 
-        expected : has `largest`, the largest static force of a contact, N; contact : the scene's [contact]
+        For the largest static force of a contact, N, with springs of a stiffness, N/m, where models have such.
         """
         raise NotImplementedError
 
     def places(self, forces: np.ndarray) -> list[np.ndarray]:
         """Points of each contact, m along the tangent, by expected forces, (2 n_rollers,), N."""
-        n, faintest = self.bearing.n_rollers, FAINT * forces.max()
-        halves = [self.laws[c // n].half_count(max(force, faintest), REACH) for c, force in enumerate(forces)]
-        return [self.laws[c // n].places(max(2, half)) for c, half in enumerate(halves)]
+        laws, faintest = np.repeat(self.laws[:2], self.bearing.n_rollers), FAINT * forces.max()
+        halves = [law.half_count(max(force, faintest), REACH) for law, force in zip(laws, forces, strict=True)]
+        return [law.places(max(2, half)) for law, half in zip(laws, halves, strict=True)]
 
     def beside(self, kind: int, on_ring: np.ndarray, on_roller: np.ndarray) -> np.ndarray:
         """Compliance between a contact's points, at angles on both bodies, beside the meshes', m/N."""
@@ -256,7 +256,7 @@ class Model:
         units = (0,) * 2 ** max(0, ceil(log2((widest + self.nodes_beyond) / N_NODES)))
         return KernelData(
             laws=tuple(Law(0.0, 0.0, 0.0, pair.half_width_factor, 1.0 / pair.relative_radius) for pair in pairs),
-            ripples=(np.zeros(0),) * 3, units=units, points=found, shear_levels=None, neighbourly=N_NODES * len(units),
+            ripples=(np.zeros(0),) * 3, units=units, points=found, neighbourly=N_NODES * len(units),
             facet_depth=float(np.abs(found.sagitta).sum(axis=1).max()),
         )  # fmt: skip
 
@@ -286,10 +286,16 @@ class Model:
 
     laws = property(lambda self: (self.inner_law, self.outer_law, self.roller_law))  # by kind of contact
 
+    @classmethod
+    def of(cls, bearing: Bearing, bodies: dict[str, DiscBody | RingBody], laws, **more: Any) -> "Model":
+        """From bodies by name and laws by kind of contact."""
+        named = zip(("inner_law", "outer_law", "roller_law"), laws, strict=True)
+        return cls(bearing=bearing, **bodies, **dict(named), **more)
+
     @property
     def n_nodes(self) -> int:
         """Number of nodes of all elastic bodies."""
-        rings = sum(ring.n_rows * ring.n_sectors for ring in self._elastic_rings)
+        rings = sum(len(ring.points) for ring in self._elastic_rings)
         return self.bearing.n_rollers * (0 if self.roller.material.rigid else self.roller.n_nodes) + rings
 
     @property
@@ -302,11 +308,6 @@ class Model:
     @property
     def _elastic_rings(self) -> list[RingBody]:
         return [ring for ring in (self.inner_ring, self.outer_ring) if not ring.material.rigid]
-
-
-def named(laws) -> dict[str, Any]:
-    """Laws by kind as the entries of a `Model`."""
-    return dict(zip(("inner_law", "outer_law", "roller_law"), laws, strict=True))
 
 
 def assembled_bodies(bearing: Bearing, shapes: BearingShapes) -> dict[str, DiscBody | RingBody]:

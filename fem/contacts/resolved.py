@@ -22,7 +22,7 @@ import numpy as np
 from scipy.linalg import toeplitz
 
 from fem.contacts import ONE_PATCH
-from fem.contacts.model import Model, assembled_bodies, named
+from fem.contacts.model import Model, assembled_bodies
 from fem.contacts.points import POINTS_PER_NODE, PointLaw, hats, hertz_patch, patch, patch_force, patches
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.continuum import hertz_approach
@@ -67,9 +67,9 @@ class ResolvedModel(Model):
     stress_note: ClassVar[str] = "contacts resolved"
 
     @classmethod
-    def build(cls, bearing: Bearing, mesh_size: float, expected=None, contact=None) -> Model:
+    def build(cls, bearing: Bearing, mesh_size, largest_force=0.0, stiffness=0.0) -> Model:
         bodies = assembled_bodies(bearing, graded_shapes(bearing, mesh_size))
-        return cls(bearing=bearing, **bodies, **named(resolved_laws(bearing, bodies)))
+        return cls.of(bearing, bodies, resolved_laws(bearing, bodies))
 
 
 def resolved_laws(bearing: Bearing, bodies: dict[str, DiscBody | RingBody]) -> list[ResolvedLaw]:
@@ -126,12 +126,7 @@ class SpreadModel(ResolvedModel):
     stress_note: ClassVar[None] = None
 
     @classmethod
-    def build(cls, bearing: Bearing, mesh_size: float, expected, contact=None) -> Model:
-        return cls.of_force(bearing, mesh_size, expected.largest)
-
-    @classmethod
-    def of_force(cls, bearing: Bearing, mesh_size: float, largest_force: float) -> Model:
-        """Mesh and assemble a bearing at a surface spacing, m; the largest static force of a contact in N."""
+    def build(cls, bearing: Bearing, mesh_size, largest_force=0.0, stiffness=0.0) -> Model:
         bodies = assembled_bodies(bearing, graded_shapes(bearing, mesh_size))
         laws = []
         for pair, name in zip(contact_pairs(bearing), AGAINST, strict=True):
@@ -139,7 +134,7 @@ class SpreadModel(ResolvedModel):
             apart = spacing * np.arange(2 * SPAN * POINTS_PER_HALF_WIDTH)
             missing = sum(_missing_compliance(bodies[body], pair.length, apart) for body in (name, "roller"))
             laws.append(SpreadLaw(pair=pair, spacing=spacing, missing_compliance=missing))
-        return cls(bearing=bearing, **bodies, **named(laws))
+        return cls.of(bearing, bodies, laws)
 
     def smeared(self, spacing: float, half_width: float) -> float:
         """See `Model.smeared`: pressure smeared out by a patch is about a patch with the sum of the variances."""
@@ -201,22 +196,14 @@ class PenaltyModel(Model):
     facet: ClassVar[float] = 0.0  # share of the facets' sagittas h²/8R that is there
 
     @classmethod
-    def build(cls, bearing: Bearing, mesh_size: float, expected, contact) -> Model:
-        return cls.of_stiffness(bearing, mesh_size, contact.penalty_stiffness_N_per_m)
-
-    @classmethod
-    def of_stiffness(cls, bearing: Bearing, mesh_size: float, stiffness: float) -> Model:
-        """Mesh and assemble a bearing at a surface spacing, m, with springs of a stiffness, N/m."""
+    def build(cls, bearing: Bearing, mesh_size, largest_force=0.0, stiffness=0.0) -> Model:
         bodies, found = assembled_bodies(bearing, bearing_shapes(bearing, mesh_size)), []
         for law, name in zip(resolved_laws(bearing, bodies), AGAINST, strict=True):
-            pair, spacing = law.pair, POINTS_PER_NODE * law.spacing
-            layer, sides = stiffness / (spacing * pair.length), (bodies[name], bodies["roller"])
-            sagitta = tuple(
-                cls.facet * side.surface_spacing**2 / (8.0 * radius)
-                for side, radius in zip(sides, pair.radii, strict=True)
-            )
-            found.append(SpringLaw(pair=pair, layer=layer, spacing=spacing, sagitta=sagitta))
-        return cls(bearing=bearing, **bodies, **named(found))
+            spacing, sides = POINTS_PER_NODE * law.spacing, zip((name, "roller"), law.pair.radii, strict=True)
+            sagitta = tuple(cls.facet * bodies[side].surface_spacing ** 2 / (8.0 * radius) for side, radius in sides)
+            layer = stiffness / (spacing * law.pair.length)
+            found.append(SpringLaw(pair=law.pair, layer=layer, spacing=spacing, sagitta=sagitta))
+        return cls.of(bearing, bodies, found)
 
     def carried(self, kind: int, n_surface: int, angle: float, radius: float, force: float):
         """See `Model.carried`: the nodes beside the point, whatever the force."""

@@ -26,7 +26,7 @@ import numpy as np
 from scipy import sparse
 
 from fem.contacts.contact_law import ContactLaw
-from fem.contacts.model import EVENLY, LIGHT, KernelData, Model, assembled_bodies, named
+from fem.contacts.model import EVENLY, LIGHT, KernelData, Model, assembled_bodies
 from fem.contacts.points import patch, patch_force, patch_traction, patches
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.cache import kept
@@ -51,7 +51,6 @@ class SurfaceCompliance:
     half_width: float  # b at which the continuum was evaluated, m
     unit: float  # A_i = 2/(π E'_i L), m/N
     ripple: np.ndarray  # (period · KNOTS_PER_NODE,), coefficients of A_i·B_i minus its mean, cubic B-spline, m/N
-    spread: float  # peak to peak of what the ripple takes away, relative to the exact approach
     missing_shear: float  # m/N, as `missing`, tangentially, of a contact that sticks
 
 
@@ -70,11 +69,11 @@ class SubgridModel(Model):
     has_law: ClassVar[bool] = True
 
     @classmethod
-    def build(cls, bearing: Bearing, mesh_size: float, expected=None, contact=None) -> "SubgridModel":
+    def build(cls, bearing: Bearing, mesh_size, largest_force=0.0, stiffness=0.0) -> Model:
         bodies = assembled_bodies(bearing, bearing_shapes(bearing, mesh_size))
         thickness = bearing.roller_length
         half_width = REFERENCE_HALF_WIDTH * bearing.roller_radius
-        roller, inner, outer = (_kept_surface(body, thickness, half_width) for body in bodies.values())
+        roller, inner, outer = (surface_compliance(body, thickness, half_width) for body in bodies.values())
         between = roller
         if bearing.roller.rigid:  # two of them need a compliance to meet with: their material's own
             disc = roller_section(bearing).elastic
@@ -82,11 +81,11 @@ class SubgridModel(Model):
             none, unit = np.zeros(KNOTS_PER_NODE), line_compliance(disc.material, thickness)
             between = _missing(exact / thickness, none, sticking / thickness, half_width, unit)
         met = list(zip(((inner, roller), (outer, roller), (between, between)), contact_pairs(bearing), strict=True))
-        return cls(
-            bearing=bearing, **bodies, **named(contact_law(*sides, pair) for sides, pair in met),
-            whole_levels=tuple(_level(*sides, pair, "whole") for sides, pair in met),
-            shear_levels=tuple(shear_level(*sides, pair) for sides, pair in met), roller_surface=roller,
+        return cls.of(
+            bearing, bodies, [contact_law(*sides, pair) for sides, pair in met], roller_surface=roller,
             inner_surface=inner, outer_surface=outer,
+            whole_levels=tuple(level(*sides, pair, "whole") for sides, pair in met),
+            shear_levels=tuple(level(*sides, pair, "missing_shear") for sides, pair in met),
         )  # fmt: skip
 
     def places(self, forces) -> list[np.ndarray]:
@@ -118,7 +117,7 @@ class SubgridModel(Model):
         return np.maximum(self._normal(force), self._tangential(force) if sticks else 0.0)
 
     def _normal(self, force: float) -> np.ndarray:
-        return np.array([law.stiffness(min(force, law.Q_line)) for law in self.laws])
+        return np.array([law.stiffness(force) for law in self.laws])
 
     def _tangential(self, force: float) -> np.ndarray:
         found = zip(self.laws, self.shear_levels, strict=True)
@@ -130,8 +129,7 @@ class SubgridModel(Model):
         return KernelData(
             laws=tuple(law.constants for law in self.laws),
             ripples=tuple(each.ripple for each in (self.inner_surface, self.outer_surface, self.roller_surface)),
-            units=ONE, points=None, shear_levels=self.shear_levels, neighbourly=NEIGHBOURLY, facet_depth=0.0,
-            whole_levels=self.whole_levels,
+            units=ONE, neighbourly=NEIGHBOURLY, shear_levels=self.shear_levels, whole_levels=self.whole_levels,
         )  # fmt: skip
 
     def carried(self, kind: int, n_surface: int, angle: float, radius: float, force: float):
@@ -147,16 +145,11 @@ class SubgridModel(Model):
 
 def contact_law(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair) -> ContactLaw:
     """Law of two calibrated surfaces, ripples apart."""
-    return ContactLaw.of_level(first.unit + second.unit, _level(first, second, pair, "missing"), pair)
+    return ContactLaw.of_level(first.unit + second.unit, level(first, second, pair, "missing"), pair)
 
 
-def shear_level(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair) -> float:
-    """Level of what the mesh lacks of two surfaces' tangential compliance, A (level − ½ ln Q)."""
-    return _level(first, second, pair, "missing_shear")
-
-
-def _level(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair, what: str) -> float:
-    """Level of one of the surfaces' compliances together, A (level − ½ ln Q)."""
+def level(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair, what: str) -> float:
+    """Level of both surfaces' `whole`, `missing` or `missing_shear` together, A (level − ½ ln Q)."""
     wide, sides = 0.5 * log(pair.half_width_factor), (first, second)
     AB = sum(getattr(side, what) + side.unit * (log(side.half_width) - wide) for side in sides)
     return AB / (first.unit + second.unit)
@@ -164,7 +157,7 @@ def _level(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair, what
 
 def surface_compliance(body: DiscBody | RingBody, thickness: float, half_width: float) -> SurfaceCompliance:
     """Calibrate a body: a free disc against the exact one squeezed by two opposite Hertz pressures, a held ring against
-    the exact annulus under one."""
+    the exact annulus under one. Kept between starts."""
     if body.material.rigid:
         return rigid_surface(half_width)
     if isinstance(body, DiscBody):
@@ -182,22 +175,16 @@ def surface_compliance(body: DiscBody | RingBody, thickness: float, half_width: 
             found.append(np.sum(near * respond(near + far), axis=tuple(range(near.ndim - 1))))
         return np.concatenate(found)
 
-    places = angles[:: KNOTS_PER_NODE // PLACES_PER_NODE] if period > 1 else angles
-    sticking = stick_approach(body.section, half_width) / thickness - float(approaches(patch_traction, places).mean())
-    exact = hertz_approach(section, half_width) / thickness
-    found, unit = approaches(patch_force, angles, section.loads == 2), line_compliance(body.material, thickness)
-    return _missing(exact, found, sticking, half_width, unit)
-
-
-def _kept_surface(body: DiscBody | RingBody, thickness: float, half_width: float) -> SurfaceCompliance:
-    if body.material.rigid:
-        return rigid_surface(half_width)
-    key = repr((body.shape, getattr(body, "held_row", None), body.material, thickness, half_width))
-
-    def make():
-        found = surface_compliance(body, thickness, half_width)
+    def make() -> dict[str, np.ndarray]:
+        places = angles[:: KNOTS_PER_NODE // PLACES_PER_NODE] if period > 1 else angles
+        pulled = float(approaches(patch_traction, places).mean())
+        sticking = stick_approach(body.section, half_width) / thickness - pulled
+        exact = hertz_approach(section, half_width) / thickness
+        pushed, unit = approaches(patch_force, angles, section.loads == 2), line_compliance(body.material, thickness)
+        found = _missing(exact, pushed, sticking, half_width, unit)
         return {name: np.asarray(value) for name, value in vars(found).items()}
 
+    key = repr((body.shape, getattr(body, "held_row", None), body.material, thickness, half_width))
     found = kept("surface", key, make)
     return SurfaceCompliance(**{name: value if value.ndim else float(value) for name, value in found.items()})
 
@@ -213,5 +200,5 @@ def _missing(exact: float, found: np.ndarray, sticking: float, half_width: float
     ripple = np.fft.irfft(np.fft.rfft(rise) * 3.0 / (2.0 + np.cos(wave)), n=rise.size)
     return SurfaceCompliance(
         whole=float(exact), missing=float(exact - found.mean()), half_width=half_width, unit=unit, ripple=ripple,
-        spread=float(np.ptp(found) / exact) if exact > 0.0 else 0.0, missing_shear=float(sticking),
+        missing_shear=float(sticking),
     )  # fmt: skip

@@ -23,7 +23,7 @@ ROUND_OFF = 1e-9
 SLOPES = 5e-4  # rad: tables are made for multiples, so that they serve other scenes too
 NOTHING = 0.0, 0.0
 SIDES = "inner", "outer"
-GRID = "first_approach", "approach_step", "first_slope", "slope_step"
+TABLE = "first_approach", "approach_step", "first_slope", "slope_step", "coefficients"
 
 
 def tilted_tables(
@@ -40,16 +40,14 @@ def tilted_tables(
 
     def make() -> dict[str, np.ndarray]:
         tables = contact_tables(sound, axial, *_slices(bearing, axial, laws, meshed, (force, slope)))
-        grids = [np.array([getattr(table, name) for name in GRID]) for table in tables]
-        found = zip(SIDES, tables, grids, strict=True)
-        return {name: kept for side, table, grid in found
-                for name, kept in ((side, table.coefficients), (f"{side}_grid", grid))}  # fmt: skip
+        sides = list(zip(SIDES, tables, strict=True))
+        return {f"{side} {name}": np.asarray(getattr(table, name)) for side, table in sides for name in TABLE}
 
-    key = repr((sound, axial, laws, force, slope, *(() if meshed == NOTHING else meshed)))
+    key = repr((sound, axial, laws, force, slope, meshed))
     arrays, parts = kept("tilted", key, make), axial.parts(bearing)
-    grids = [dict(zip(GRID, arrays[f"{side}_grid"].tolist(), strict=True)) for side in SIDES]
-    tables = [ContactTable(**grid, coefficients=np.ascontiguousarray(arrays[side]))
-              for grid, side in zip(grids, SIDES, strict=True)]  # fmt: skip
+    found = [{name: arrays[f"{side} {name}"] for name in TABLE} for side in SIDES]
+    tables = [ContactTable(**{name: value if value.ndim else float(value) for name, value in one.items()})
+              for one in found]  # fmt: skip
 
     def make_rest() -> dict[str, np.ndarray]:
         slices = zip(SIDES, tilted_slices(bearing, axial, laws, meshed), tables, strict=True)
@@ -59,7 +57,7 @@ def tilted_tables(
         rests = kept("tilted", key + repr([part if part is None else part.tolist() for part in parts]), make_rest)
         for k, part in enumerate(parts):
             if part is not None:
-                rest = replace(tables[k], coefficients=np.ascontiguousarray(rests[SIDES[k]]))
+                rest = replace(tables[k], coefficients=rests[SIDES[k]])
                 tables[k] = SpalledTable(whole=tables[k], rest=rest, share=float(part.mean()))
     return tables[0], tables[1]
 

@@ -48,7 +48,8 @@ def model_of(scene: Scene, expected: ExpectedForces | None = None) -> Model:
     limits.check_contact_model(kind, scene, expected)
     limits.check_outer_ring(kind, scene)
     if not kind.has_law:
-        model = kind.build(bearing, mesh_size, expected, scene.contact)
+        largest = expected.largest if kind.is_made_for_a_force else 0.0
+        model = kind.build(bearing, mesh_size, largest, scene.contact.penalty_stiffness_N_per_m)
         limits.check_meshes(model)
         return model
     sound = replace(bearing, faults=())

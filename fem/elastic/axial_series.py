@@ -9,6 +9,7 @@ from each harmonic function f(r) cos nθ cos kz, f = I_n(kr) or K_n(kr): its gra
 the axis, and ∇(r ∂_r φ) + 4(1 − ν) ∂_z φ e_z. They are combined so that none is nearly another at large n.
 """
 
+from itertools import accumulate
 from math import asinh, log, pi
 
 import numpy as np
@@ -147,20 +148,14 @@ def _scaled(n: np.ndarray, k: float, r: float, other: float, decay: bool):
 
 def _ratios(count: int, x: float, decay: bool) -> np.ndarray:
     """I_{j+1}/I_j, or K_{j+1}/K_j, of x for j = 0 ... count − 1."""
-    found = np.empty(count)
     if decay:
         from scipy.special import k0e, k1e
 
-        found[0] = k1e(x) / k0e(x)
-        for j in range(1, count):
-            found[j] = 2.0 * j / x + 1.0 / found[j - 1]
-        return found
-    ratio = 0.0
-    for j in range(count + STARTED + int(x), -1, -1):
-        ratio = 1.0 / (2.0 * (j + 1) / x + ratio)
-        if j < count:
-            found[j] = ratio
-    return found
+        upwards = accumulate(range(1, count), lambda ratio, j: 2.0 * j / x + 1.0 / ratio, initial=k1e(x) / k0e(x))
+        return np.array(list(upwards))
+    orders = range(count + STARTED + int(x) + 1, 0, -1)
+    downwards = accumulate(orders, lambda ratio, j: 1.0 / (2.0 * j / x + ratio), initial=0.0)
+    return np.array(list(downwards))[: -count - 1 : -1]
 
 
 def _log_size(n: np.ndarray, x: float, decay: bool) -> np.ndarray:

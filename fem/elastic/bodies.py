@@ -25,12 +25,14 @@ def stress_operator(points: np.ndarray, cells: np.ndarray, material: Material) -
 
     points : (n_nodes, 2), m; cells : (n_cells, 3 or 4)
 
-    Returns: csr_matrix, (3 n_nodes, 2 n_nodes), Pa/m, of vectors with the node as slow index
+    Returns: csr_matrix, (3 n_nodes, 2 n_nodes), Pa/m, of vectors with the node as slow index; 0 where it is rigid
 
     Errors: exact for a uniform strain. One stress per element, at its centre: on a surface it lags half an element
     behind.
     """
     n_nodes, corners = len(points), cells.shape[1]
+    if material.rigid:
+        return sparse.csr_matrix((3 * n_nodes, 2 * n_nodes))
     shape, size = TRIANGLE if corners == 3 else QUADRILATERAL
     jacobian = np.einsum("kci,kj->cij", np.moveaxis(points[cells], 1, 0), shape)
     gradient = np.einsum("kj,cji->cki", shape, np.linalg.inv(jacobian))
@@ -52,10 +54,8 @@ def stress_operator(points: np.ndarray, cells: np.ndarray, material: Material) -
 def turned(stress: np.ndarray, angle) -> np.ndarray:
     """The same stress in axes from which the given ones are turned by `angle`, rad, counter-clockwise."""
     xx, yy, xy = np.moveaxis(stress, -1, 0)
-    mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
-    c, s = np.cos(2.0 * np.asarray(angle)), np.sin(2.0 * np.asarray(angle))
-    half, xy = half * c - xy * s, half * s + xy * c
-    return np.stack([mean + half, mean - half, xy], axis=-1)
+    mean, turning = 0.5 * (xx + yy), (0.5 * (xx - yy) + 1j * xy) * np.exp(2j * np.asarray(angle))
+    return np.stack([mean + turning.real, mean - turning.real, turning.imag], axis=-1)
 
 
 def von_mises(stress: np.ndarray, poisson_ratio) -> np.ndarray:
@@ -121,6 +121,8 @@ class DiscBody:
         Mass-weighted mean displacement and rotation are zero; the resultant is carried by uniform and rotational
         inertia.
         """
+        if self.material.rigid:
+            return np.zeros_like(force)
         modes, mass = rigid_modes(self.points), np.repeat(self.mass, 2)
         weighted = modes * mass[:, None]
         acceleration = np.linalg.solve(modes.T @ weighted, modes.T @ force)
@@ -168,8 +170,9 @@ def disc_body(shape: Disc | GradedDisc, material: Material, thickness: float) ->
     mesh, stiffness, mass = _assembled(shape, material, thickness, shape.radius**2)
     if isinstance(shape, Disc):
         mass = _end_corrected(mass, mesh.points, shape)
-    nodes = {"points": mesh.points, "cells": mesh.cells, "mass": mass}
-    return DiscBody(shape=shape, material=material, stiffness=stiffness, **nodes)
+    return DiscBody(
+        shape=shape, material=material, points=mesh.points, cells=mesh.cells, mass=mass, stiffness=stiffness
+    )
 
 
 def _assembled(
@@ -276,6 +279,7 @@ class RingBody:
         """Places of the free components among the rows of `matrix`."""
         return (2 * self.n_sectors * self.free_rows[:, None] + np.arange(2 * self.n_sectors)).ravel()
 
+    polar_inertia = property(lambda self: 0.5 * self.total_mass * float(self.radii[0] ** 2 + self.radii[-1] ** 2))
     n_free_nodes = property(lambda self: self.free_places.size // 2)
     total_mass = property(lambda self: float(self.n_sectors * self.row_mass.sum()))
     angles = property(lambda self: 2.0 * np.pi * np.arange(self.n_sectors) / self.n_sectors)
@@ -287,15 +291,13 @@ class RingBody:
 
     def cartesian(self, polar: np.ndarray, turn: float = 0.0) -> np.ndarray:
         """Vectors (n_rows, 2, n_sectors) in polar components as (n_nodes, 2) in x and y, the ring turned by `turn`."""
-        c, s = np.cos(self.angles + turn), np.sin(self.angles + turn)
-        radial, around = polar[:, 0], polar[:, 1]
-        return np.stack([radial * c - around * s, radial * s + around * c], axis=-1).reshape(-1, 2)
+        found = (polar[:, 0] + 1j * polar[:, 1]) * np.exp(1j * (self.angles + turn))
+        return np.stack([found.real, found.imag], axis=-1).reshape(-1, 2)
 
     def polar(self, vectors: np.ndarray, turn: float = 0.0) -> np.ndarray:
         """The inverse of `cartesian`."""
-        c, s = np.cos(self.angles + turn), np.sin(self.angles + turn)
-        x, y = np.moveaxis(vectors.reshape(self.n_rows, self.n_sectors, 2), -1, 0)
-        return np.stack([x * c + y * s, y * c - x * s], axis=1)
+        found = (vectors.reshape(self.n_rows, -1, 2) @ [1.0, 1j]) * np.exp(-1j * (self.angles + turn))
+        return np.stack([found.real, found.imag], axis=1)
 
     def body_load(self, gravity: float, turn: float = 0.0, speed: float = 0.0) -> np.ndarray:
         """Weight and centrifugal force of every node, (n_rows, 2, n_sectors), polar, N, in a frame turned by `turn`."""
@@ -339,6 +341,8 @@ class RingBody:
 
     def held(self, force: np.ndarray) -> np.ndarray:
         """Displacement of the held ring under nodal forces; both (n_rows, 2, n_sectors, ...), polar, m and N."""
+        if self.material.rigid:
+            return np.zeros_like(force)
         rows = self.free_rows
         spectrum = np.fft.rfft(force[rows], axis=2)  # (rows, 2, harmonic, ...)
         stacked = np.moveaxis(spectrum, 2, 0).reshape(spectrum.shape[2], 2 * len(rows), -1)
@@ -410,39 +414,7 @@ def _sector_stencil(stiffness, rows: int, sectors: int, sector: int) -> np.ndarr
     return stencil
 
 
-class _Unstrained:
-    """A body without stress."""
-
-    @property
-    def stress(self) -> sparse.csr_matrix:
-        n = len(self.points)
-        return sparse.csr_matrix((3 * n, 2 * n))
-
-
-@dataclass(frozen=True, kw_only=True)
-class RigidDisc(_Unstrained, DiscBody):
-    """A roller that keeps its shape."""
-
-    def relaxed(self, force: np.ndarray) -> np.ndarray:
-        return np.zeros_like(force)
-
-
-@dataclass(frozen=True, kw_only=True)
-class RigidRing(_Unstrained, RingBody):
-    """A ring that moves as its held circle does."""
-
-    def held(self, force: np.ndarray) -> np.ndarray:
-        return np.zeros_like(force)
-
-    @property
-    def polar_inertia(self) -> float:
-        """½ m (r_inner² + r_outer²), kg m²."""
-        return 0.5 * self.total_mass * float(self.radii[0] ** 2 + self.radii[-1] ** 2)
-
-
-def rigid_body(body: DiscBody | RingBody) -> RigidDisc | RigidRing:
-    """The rigid body of an elastic one's shape and mass."""
-    own = vars(replace(body)) | {"material": replace(body.material, rigid=True)}
-    if isinstance(body, DiscBody):
-        return RigidDisc(**own | {"stiffness": sparse.csr_matrix(body.stiffness.shape)})
-    return RigidRing(**own | {"stencil": np.zeros_like(body.stencil)})
+def rigid_body(body: DiscBody | RingBody) -> DiscBody | RingBody:
+    """The rigid body of an elastic one's shape and mass: a ring moves as its held circle does."""
+    name = "stiffness" if isinstance(body, DiscBody) else "stencil"
+    return replace(body, material=replace(body.material, rigid=True), **{name: 0.0 * getattr(body, name)})

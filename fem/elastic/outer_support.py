@@ -92,15 +92,13 @@ class SupportedRing(LooseRing):
 
 def supported_ring(ring: RingBody, points: Points) -> SupportedRing:
     """An outer ring held at points: all nodes within their width, and the FEWEST nearest of each."""
-    radius = float(ring.radii[ring.held_row])
-    held: list[set[int]] = []
-    for angle in points.angles:
-        apart = radius * np.abs(np.angle(np.exp(1j * (ring.angles - angle))))
-        within = np.flatnonzero(apart <= 0.5 * points.width * (1.0 + 1e-9)).tolist()
-        held.append({*within, *np.argsort(apart, kind="stable")[:FEWEST].tolist()})
+    away = ring.angles - np.array(points.angles)[:, None]
+    apart = float(ring.radii[ring.held_row]) * np.abs(np.angle(np.exp(1j * away)))  # (n_points, n_sectors), m
+    held = apart <= 0.5 * points.width * (1.0 + 1e-9)
+    np.put_along_axis(held, np.argsort(apart, axis=1, kind="stable")[:, :FEWEST], True, axis=1)
     return SupportedRing(
-        **vars(replace(ring)), held_sectors=np.array(sorted(set().union(*held))),
-        held_nodes=np.array([len(nodes) for nodes in held]), width=points.width,
+        **vars(replace(ring)), held_sectors=np.flatnonzero(held.any(axis=0)), held_nodes=held.sum(axis=1),
+        width=points.width,
     )  # fmt: skip
 
 

@@ -4,9 +4,9 @@ U and V are polynomials of one high degree through Gauss-Lobatto points of the r
 integrals by Gauss: frequencies that a body has few nodal circles in are exact to ten digits.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
 from math import inf, pi
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import Legendre, legendre
@@ -20,11 +20,10 @@ MOST_WAVES = 400  # around: a guard; shear waves along a surface end the search 
 RIGID = 1e-3  # of the highest frequency: a slower mode is a motion of the whole body
 
 
-@dataclass(frozen=True, kw_only=True)
-class Modes:
-    """Modes of one body by their waves around, each with a twin a quarter wave further; modal masses are 1 kg."""
+class Modes(NamedTuple):
+    """Modes of one body of so many waves around, slowest first, each with a twin a quarter wave further; modal masses
+    are 1 kg."""
 
-    order: np.ndarray  # (n_modes,), waves around
     frequency: np.ndarray  # (n_modes,), rad/s
     shape: np.ndarray  # (n_modes,), kg^-½, surface displacement into the body
     carried: np.ndarray  # (n_modes,), kg^-½, displacement of the rigid hub on a ring's held circle, along +x
@@ -37,10 +36,8 @@ def shift_vibrations(section: Section, thickness: float, hub: float | None = Non
     `hub` : kg, of a rigid body that the held circle moves with; None: it does not move.
     As many as the polynomials have: the fastest are theirs, not the ring's, and all together carry its statics.
     """
-    frequency, into, carried = _of_order(1, section, thickness, hub)
     first = 0 if hub is None and section.held > 0.0 else 1  # what moves ring and hub, or a disc, as one
-    order = np.ones(len(frequency) - first, dtype=np.intp)
-    return Modes(order=order, frequency=frequency[first:], shape=into[first:], carried=carried[first:])
+    return Modes(*(each[first:] for each in modes_of(1, section, thickness, hub)))
 
 
 def inertia(section: Section, thickness: float, hub: float | None = None) -> tuple[float, float]:
@@ -51,7 +48,7 @@ def inertia(section: Section, thickness: float, hub: float | None = None) -> tup
     """
     total, slowest = 0.0, inf
     for n in range(BY_MODES):
-        frequency, into, _ = _of_order(n, section, thickness, hub)
+        frequency, into, _ = modes_of(n, section, thickness, hub)
         own = frequency > RIGID * frequency[-1]
         total += float(np.sum((into[own] / frequency[own] ** 2) ** 2))
         slowest = min(slowest, float(frequency[own][0]))
@@ -71,10 +68,8 @@ def inertia(section: Section, thickness: float, hub: float | None = None) -> tup
     return total, slowest
 
 
-def _of_order(
-    n: int, section: Section, thickness: float, hub: float | None
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Frequencies, rad/s, of all modes of n waves around, slowest first; `Modes.shape` and `carried` of each."""
+def modes_of(n: int, section: Section, thickness: float, hub: float | None) -> Modes:
+    """All modes of n waves around; parameters are those of `shift_vibrations`."""
     (stiffness, mass), every, at = _matrices(n, section, thickness), np.eye(2 * (DEGREE + 1)), _held_point(section)
     # motions, as columns, that keep a disc whole at its centre, or a held circle in its place; the first of a single
     # wave around on a hub, or in a disc, moves the held circle or the centre along +x
@@ -93,7 +88,7 @@ def _of_order(
     vectors = np.linalg.solve(root.T, vectors)
     into = -section.convexity * (free[DEGREE - at] @ vectors)
     carried = vectors[0] if held_by_hub else np.zeros_like(into)
-    return np.sqrt(np.maximum(values, 0.0)), into, carried
+    return Modes(np.sqrt(np.maximum(values, 0.0)), into, carried)
 
 
 def _held_point(section: Section) -> int:

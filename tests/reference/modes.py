@@ -10,7 +10,6 @@ from scipy.special import jv, jvp, yv, yvp
 
 from fem.elastic import continuum, vibration
 from fem.elastic.continuum import Section, kolosov, stick_approach
-from fem.elastic.vibration import Modes
 from lagrange import Bearing, Material
 
 # ---- Exact free in-plane vibration of plane-strain discs and rings. u = ∇φ + curl ψ with φ = f(k_L r) cos nθ and ψ =
@@ -84,21 +83,29 @@ def surface_tractions(n, r, x, material, kinds):
     return np.array(columns).T
 
 
-def vibrations(section: Section, thickness: float, highest: float, hub: float | None = None) -> Modes:
+class Vibrations(NamedTuple):
+    """`fem.elastic.vibration.Modes` of any number of waves around."""
+
+    order: np.ndarray
+    frequency: np.ndarray
+    shape: np.ndarray
+    carried: np.ndarray
+
+
+def vibrations(section: Section, thickness: float, highest: float, hub: float | None = None) -> Vibrations:
     """All modes up to a frequency, rad/s, of a disc or ring so thick, m; but for a disc's rotation.
 
     `hub` : kg, of a rigid body that the held circle moves with; None: it does not move.
     """
     found = []
     for n in range(vibration.MOST_WAVES):
-        frequency, into, carried = vibration._of_order(n, section, thickness, hub)
+        frequency, into, carried = vibration.modes_of(n, section, thickness, hub)
         some = (frequency > vibration.RIGID * highest) & (frequency <= highest)
         found += [(n, *mode) for mode in zip(frequency[some], into[some], carried[some], strict=True)]
         # a surface wave around a disc, or a layer's slowest wave, has its speed from below: none is left beyond
         if n > 2 and frequency[0] > highest:
             break
-    order, frequency, shape, carried = np.array(found).reshape(-1, 4).T
-    return Modes(order=order.astype(np.intp), frequency=frequency, shape=shape, carried=carried)
+    return Vibrations(*np.array(found).reshape(-1, 4).T)
 
 
 def pressed_ring(inner: float, outer: float, material: Material, bed: float, interference: float) -> tuple:

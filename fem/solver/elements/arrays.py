@@ -16,7 +16,7 @@ from fem.contacts.model import KernelData, Model, Motion
 from fem.contacts.subgrid import SubgridModel
 from fem.contacts.tilted import MeshedContact, rounded_range
 from fem.elastic import bodies
-from fem.elastic.bodies import DiscBody, RigidRing, RingBody
+from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.outer_support import BoredRing, LooseRing, SupportedRing
 from fem.elastic.reciprocal_mass import ReciprocalMass, Slowing, disc_momenta, held_velocity, ring_momenta
 from fem.kernels.cage import Riders
@@ -422,7 +422,7 @@ def disc_nodes(disc: DiscBody, dt: float, columns: int) -> Disc:
 
 def ring_nodes(ring: RingBody, dt: float, slowing: Slowing) -> Ring:
     """Nodes at rest of a ring, for steps of `dt`, s."""
-    if isinstance(ring, RigidRing):
+    if ring.material.rigid:
         width = WIDTH + 2 * HALO  # one node, in a register of its own
         gyration, mass = np.array([np.sqrt(ring.polar_inertia / ring.total_mass)]), np.array([ring.total_mass])
         rows = dict.fromkeys(("first_row", "last_row", "raceway", "held"), 0)

@@ -231,10 +231,16 @@ def meet(pair, speed, dt):
 
 
 @part
+def _direction(cage, j):
+    """Of a pocket's middle from the cage's."""
+    c, s = cage.frame[0], cage.frame[1]
+    return c * cage.cosine[j] - s * cage.sine[j], s * cage.cosine[j] + c * cage.sine[j]
+
+
+@part
 def _meet_roller(pair, riders, j, approach, dt):
-    cage, pockets, c, s = pair.cage, pair.cage.pockets, pair.cage.frame[0], pair.cage.frame[1]
+    cage, pockets, (ex, ey) = pair.cage, pair.cage.pockets, _direction(pair.cage, j)
     x, y = riders.centre[0, j] - cage.motion[0, 0], riders.centre[1, j] - cage.motion[0, 1]
-    ex, ey = c * cage.cosine[j] - s * cage.sine[j], s * cage.cosine[j] + c * cage.sine[j]
     if cage.guide is None:
         over = 1.0 / max(cage.off[j], SMALLEST)
         nx, ny = over * (x - cage.pitch_radius * ex), over * (y - cage.pitch_radius * ey)
@@ -352,10 +358,8 @@ def write_cage(cage, drive, out):
         x, y = _force(guide, 0)
         out[at + 4], out[at + 5] = -x, -y
     n, stored, at = pockets.force.size, 0.0, at + N_CAGE_SCALARS
-    c, s = cage.frame[0], cage.frame[1]
     for j in range(n):
-        ex, ey = c * cage.cosine[j] - s * cage.sine[j], s * cage.cosine[j] + c * cage.sine[j]
-        x, y = _force(pockets, j)
+        (ex, ey), (x, y) = _direction(cage, j), _force(pockets, j)
         out[at + j] = y * ex - x * ey
         out[at + n + j] = x * ex + y * ey
         out[at + 2 * n + j] = -pockets.given[1, j] * cage.roller_radius

@@ -5,6 +5,7 @@ what they begin with (`filled`), what a checkpoint keeps, what a model's digest 
 that is plainly an array stands for one that belongs to another tuple.
 """
 
+from functools import partial
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -21,19 +22,11 @@ class Field(NamedTuple):
     dtype: type
 
 
-def state(shape: str, initial: float = 0.0, dtype: type = np.float64) -> Any:
-    """An array that a run changes and a checkpoint keeps."""
-    return Annotated[np.ndarray, Field(shape, "state", initial, dtype)]
+def _array(kind: str, shape: str, initial: float = 0.0, dtype: type = np.float64) -> Any:
+    return Annotated[np.ndarray, Field(shape, kind, initial, dtype)]
 
 
-def given(shape: str, dtype: type = np.float64) -> Any:
-    """An array that the model determines."""
-    return Annotated[np.ndarray, Field(shape, "given", 0.0, dtype)]
-
-
-def room(shape: str, initial: float = 0.0) -> Any:
-    """An array that every step fills before reading it."""
-    return Annotated[np.ndarray, Field(shape, "room", initial, np.float64)]
+state, given, room = (partial(_array, kind) for kind in ("state", "given", "room"))
 
 
 def _field(kind: type, name: str) -> Field | None:

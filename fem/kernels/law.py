@@ -1,18 +1,22 @@
-"""THE CONTACT LAW below the grid, and that of FRICTION: force, energy, the force of a kick, the ripple along a surface.
+"""THE CONTACT LAW below the grid, and that of FRICTION: force, energy, the force of a kick; what varies along surfaces.
 
-All but the energy take scalars or eight lanes (contacts).
+Of scalars or eight lanes (contacts). Surfaces that are not perfect circles have profiles, which
+come off the outward motion of a contact's two sides: `lagrange.surface.deviation` says what a sinkage is, and the
+compliance of edges, which adds to the ripple. Bodies without one have None, which compiles to nothing.
 
 Equation (3) of docs/method.md.
 """
 
-from math import log
+from math import log, pi
 from typing import NamedTuple
 
 import numpy as np
 
+from fem.kernels import lanes
+from fem.kernels.fields import given
 from fem.kernels.jit import kernel, part
-from fem.kernels.lane_functions import logarithm, maximum, minimum
-from fem.kernels.lanes import absolute, any_lane, gather, gather_quads, select, square_root, to_float, to_int, with_sign
+from fem.kernels.lane_functions import arc_tangent, logarithm, maximum, minimum
+from fem.kernels.lanes import absolute, any_lane, gather, load, select, to_float, to_int
 from lagrange.contact.damping import ContactDamping
 
 STEEPEST = 0.25  # at this bracket less a half the mesh resolves the contact; the law goes on as a straight line
@@ -49,10 +53,10 @@ def creep_traction(slip, limit, full_slip, mobility_dt):
     x = v / full_slip
     sliding = x >= 1.0 + k
     b = 1.0 + 2.0 * k
-    x = 2.0 * x / (b + square_root(select(sliding, 0.0, b * b - 4.0 * k * x)))
+    x = 2.0 * x / (b + lanes.square_root(select(sliding, 0.0, b * b - 4.0 * k * x)))
     traction = select(sliding, limit, limit * x * (2.0 - x))
     left = select(sliding, v - mobility_dt * limit, x * full_slip)
-    return with_sign(traction, slip), with_sign(left, slip)
+    return lanes.with_sign(traction, slip), lanes.with_sign(left, slip)
 
 
 @kernel(forceinline=True)
@@ -185,21 +189,9 @@ def released(most, Q, P, residual, ways, shortest):
 
 @part
 def stored_energy(Q, approach, A, Q_line):
-    """`contact_energy` by way of the approach; scalars or lanes."""
+    """Energy stored below the grid, J, ∫ Q dδ of a force that goes with an approach; scalars or lanes."""
     q = minimum(Q, Q_line)
     return 0.5 * Q * approach - 0.125 * A * q * (2.0 * Q - q)
-
-
-@part
-def contact_energy(Q, A, B, Q_line):
-    """Energy stored below the grid, J: ∫ Q dδ."""
-    if Q <= 0.0:
-        return 0.0
-    q = min(Q, Q_line)
-    energy = 0.5 * A * q * q * (B - 0.5 * log(q) - 0.25)
-    if Q > Q_line:
-        energy += 0.5 * A * (B - 0.5 * log(Q_line) - 0.5) * (Q * Q - Q_line * Q_line)
-    return energy
 
 
 @kernel(forceinline=True)
@@ -218,7 +210,7 @@ def seamless(position, coefficients):
     t = x - to_float(base)
     base = base - to_int(to_float(base) * (1.0 / n)) * n
     base = select((base >= 0) & (base < n), base, 0)  # round-off may leave it n
-    value, slope = spline(t, gather_quads(coefficients, base))
+    value, slope = spline(t, lanes.gather_quads(coefficients, base))
     return value, slope * (1.0 * KNOTS_PER_NODE)
 
 
@@ -252,3 +244,55 @@ def spline_at(x, coefficients, first, n):
     c0, c1 = gather(coefficients, before + first), gather(coefficients, base + first)
     c2, c3 = gather(coefficients, after + first), gather(coefficients, beyond + first)
     return spline(t, (c0, c1, c2, c3))
+
+
+class RingProfile(NamedTuple):
+    """Surface of a ring over its angle: periodic cubic B-splines."""
+
+    sinkage: given("n_knots")  # m
+    # m/N, of edges; where rollers tilt, whose edges have none, m, sinkage of the part of the length that spalls take
+    compliance: given("n_knots")
+
+
+class RollerProfiles(NamedTuple):
+    """The same of the rollers' contacts with one raceway by angle on the roller."""
+
+    sinkage: given("n_rows, n_knots")  # m
+    compliance: given("n_rows, n_knots")  # m/N, or m
+    first: given("columns", dtype=np.int64)  # place of each roller's row
+
+
+@part
+def place(x, y, n_nodes):
+    """Position, in node spacings in [0, n_nodes), of a direction in a body's frame; scalars or lanes."""
+    position = arc_tangent(y, x) * (n_nodes / (2.0 * pi))
+    position = select(position < 0.0, position + 1.0 * n_nodes, position)
+    return select(position >= 1.0 * n_nodes, position - 1.0 * n_nodes, position)
+
+
+@part
+def _lowered(profile, first, n, sign, motion, bx, by):
+    out, rate, ripple, ripple_rate = motion
+    at, per_rad = place(bx, by, n), n / (2.0 * pi)
+    sinkage, slope = spline_at(at, profile.sinkage, first, n)
+    soft, softening = spline_at(at, profile.compliance, first, n)
+    return out - sign * sinkage, rate - slope * (sign * per_rad), ripple + soft, ripple_rate + softening * per_rad
+
+
+@part
+def lowered_ring(profile, sign, motion, bx, by):
+    """A raceway's outward motion, its slope per rad, ripple and its slope, at directions b in the ring's frame.
+
+    `motion` : the four of a perfect circle; the sinkage comes off, compliance is added.
+    """
+    if profile is None:
+        return motion
+    return _lowered(profile, 0, profile.sinkage.size, sign, motion, bx, by)
+
+
+@part
+def lowered_rollers(profiles, group, motion, bx, by):
+    """The same of eight rollers from `group` on, at directions b in their frames."""
+    if profiles is None:
+        return motion
+    return _lowered(profiles, load(profiles.first, group), profiles.sinkage.shape[1], 1.0, motion, bx, by)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.columns import DISSIPATED, KINETIC, WORK_GRAVITY
+from fem.kernels.columns import DISSIPATED, HUB_AX, HUB_VX, HUB_X, KINETIC, WORK_GRAVITY
 from fem.kernels.fields import given, room, state
 from fem.kernels.jit import part
 
@@ -196,6 +196,14 @@ def _write_dissipated(mount, dt, out):
     drag, before, slowed = mount.drag, mount.before, mount.slowed
     moved_x, moved_y = dt * before[0] + slowed[0, 0], dt * before[1] + slowed[0, 1]
     out[DISSIPATED] += mount.dissipated[0] - 0.5 * (drag[0] * moved_x + drag[1] * moved_y)
+
+
+@part
+def write_hub(out, place, before, after, dt):
+    """The hub's columns: its place, m, and its motion in a kick by its velocities before and after, m/s."""
+    for k in range(2):
+        out[HUB_X + k], out[HUB_VX + k] = place[k], 0.5 * (before[k] + after[k])
+        out[HUB_AX + k] = (after[k] - before[k]) / dt
 
 
 @part

@@ -13,8 +13,8 @@ from fem.kernels.drive import N_NOW, N_OUTER_NOW, LoadHistory, OuterTurn
 from fem.kernels.elements.state import Ring
 from fem.kernels.fields import at_line, lined_up
 from fem.kernels.lanes import WIDTH
+from fem.kernels.law import RingProfile, RollerProfiles
 from fem.kernels.mounts import Housing, Resonator, Shaft, late_mass
-from fem.kernels.profiles import RingProfile, RollerProfiles
 from fem.kernels.tilted_contact import PartProfiles, SpalledRest, TiltedLaw
 from fem.kernels.tilts import Tilts as TiltArrays
 from fem.solver.row_state import row_places, row_width

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from fem.elastic.reciprocal_mass import ReciprocalMass
-from fem.kernels import columns, law, profiles
+from fem.kernels import columns, law
 from fem.kernels.elements import contacts as of_patches
 from fem.kernels.elements import discs, friction, loop, rings, samples
 from fem.kernels.elements.rings import HALO
@@ -31,8 +31,8 @@ from tests.reference.kit import arrays, copies, model, operation, paper, resolve
 kick_disc, drift_disc, slow_disc = map(kernel, (discs.kick, discs.drift, discs.slow_waves))
 calm_ring, kick_ring, drift_slowed_ring = map(kernel, (rings.calm, rings.kick, rings.drift_slowed))
 find_velocities, wrap_all, spring_energy = map(kernel, (rings.find_velocities, rings.wrap_all, friction.spring_energy))
-kick_force, stored_energy, next_force = map(kernel, (law.kick_force, law.contact_energy, law.next_force))
-place, creep_traction = kernel(profiles.place), kernel(law.creep_traction)
+kick_force, stored_energy, next_force = map(kernel, (law.kick_force, law.stored_energy, law.next_force))
+place, creep_traction = kernel(law.place), kernel(law.creep_traction)
 kick, remember, _press, _push = map(kernel, (loop.kick, samples.remember, loop.press_contacts, loop.push_surfaces))
 kinetic_energy, elastic_energy = kernel(samples.kinetic_energy), kernel(samples.elastic_energy)
 

@@ -81,7 +81,7 @@ def fall(n_elements: int, duration: float, safety: float = 0.9) -> SimpleNamespa
         compiled.kick_disc(nodes, nodes.w, columns, torque)
         after, place = w[:, :, 0], u[:, :, 0].ravel()
         energy = 0.5 * mass @ np.sum(before * after, axis=1) + 0.5 * place @ (bar.stiffness @ place)
-        energy += compiled.stored_energy(force, law.A, law.B, law.Q_line)
+        energy += compiled.stored_energy(force, -gap, law.A, law.Q_line)
         energy += GRAVITY * (mass @ u[:, 1, 0] + DROP * mass.sum())
         history.append([step * dt, share @ u[:, 1, 0], share @ before[:, 1], force, energy])
         compiled.drift_disc(nodes, turns, columns, dt, torque)

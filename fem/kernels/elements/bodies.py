@@ -36,7 +36,7 @@ class HeldNodes(NamedTuple):
     u: np.ndarray
     w: np.ndarray  # (n_rows, 2, n_sectors + 2 HALO), of the ring
     calmed: np.ndarray
-    sectors: given("n_held", np.int64)
+    sectors: given("n_held", dtype=np.int64)
     place: state("2, n_held")  # m
     row: int
 
@@ -227,13 +227,12 @@ end_kicks, calm_others, slow_others = every(end_kick), every(calm_body), every(s
 @part
 def _put_at_held_nodes(held, field, values, wraps):
     """Give held nodes `values`, (2, n_held), of a field of the ring; None: 0. And its halos, if it `wraps`."""
-    width = field.shape[2]
     for component in range(2):
         for i in range(held.sectors.size):
             value = 0.0 if values is None else values[component, i]
             field[held.row, component, HALO + held.sectors[i]] = value
-        if wraps:
-            rings.wrap(field, (2 * held.row + component) * width, width)
+    if wraps:
+        rings.wrap(field, 2 * held.row * field.shape[2], field.shape[2])
 
 
 @part

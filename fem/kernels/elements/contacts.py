@@ -22,8 +22,7 @@ from fem.kernels.elements.tilted import SlicedLaw, press_tilted
 from fem.kernels.jit import every, part
 from fem.kernels.lane_functions import load_pair, next_rollers, store_pair
 from fem.kernels.lanes import WIDTH, any_lane, count_from, load, select, splat, store, total
-from fem.kernels.law import kick_force, next_force
-from fem.kernels.profiles import lowered_ring, lowered_rollers
+from fem.kernels.law import kick_force, lowered_ring, lowered_rollers, next_force
 
 
 @part
@@ -135,18 +134,13 @@ def _read(pair, rollers, disc, contacts):
     patches, side, columns, n = contacts.patches, 2 * pair.row, rollers.columns, rollers.n
     for group in range(0, n, WIDTH):
         if _are_near(contacts, pair.row * columns + group):
-            motion = surfaces.interpolate_displacement(
-                first_surface(pair, disc), patches, side, group, count_from(group)
-            )
-            _keep_motion(patches, side, group, motion)
-    for group in range(0, n, WIDTH):
-        if _are_near(contacts, pair.row * columns + group):
-            motion = surfaces.interpolate_displacement(disc, patches, side + 1, group, second_rollers(pair, group, n))
-            _keep_motion(patches, side + 1, group, motion)
+            _keep_motion(first_surface(pair, disc), patches, side, group, count_from(group))
+            _keep_motion(disc, patches, side + 1, group, second_rollers(pair, group, n))
 
 
 @part
-def _keep_motion(patches, side, group, motion):
+def _keep_motion(surface, patches, side, group, column):
+    motion = surfaces.interpolate_displacement(surface, patches, side, group, column)
     out, sideways, rate, ripple, ripple_rate = motion
     at, columns = 5 * side * patches.columns + group, patches.columns
     store_pair(patches.motion, at, columns, out, sideways)

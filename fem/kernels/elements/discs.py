@@ -81,14 +81,11 @@ def kick(disc, w, columns, torque):
     for block in range(0, columns, COLUMNS):
         t0, t1 = splat(0.0), splat(0.0)
         for i in range(mass.size):
-            x0, x1, y0, y1 = _row_product(disc, u, columns, i, block)
+            four = _row_product(disc, u, columns, i, block)
             at, m = i * (2 * columns) + block, gather(mass, i)
-            t0 = _moment(m, u, at, columns, x0, y0, t0)
-            t1 = _moment(m, u, at + 8, columns, x1, y1, t1)
-            store(w, at, load(w, at) + x0)
-            store(w, at + 8, load(w, at + 8) + x1)
-            store(w, at + columns, load(w, at + columns) + y0)
-            store(w, at + columns + 8, load(w, at + columns + 8) + y1)
+            t0 = _moment(m, u, at, columns, four[0], four[2], t0)
+            t1 = _moment(m, u, at + 8, columns, four[1], four[3], t1)
+            _store(w, at, columns, _added(1.0, four, w, at, columns))
         store(torque, block, t0)
         store(torque, block + 8, t1)
 

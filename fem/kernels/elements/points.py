@@ -31,8 +31,7 @@ from fem.kernels.elements.rings import HALO
 from fem.kernels.elements.state import DiscSurface, Pair, RingSurface
 from fem.kernels.elements.surfaces import N_NODES, chord, first_node, put, weight_slopes, weights
 from fem.kernels.jit import every, part
-from fem.kernels.law import MOST_REPAID, REPAID
-from fem.kernels.profiles import place
+from fem.kernels.law import MOST_REPAID, REPAID, place
 
 MAX_SWEEPS = 1000
 SWEPT = 1e-10  # of the largest force: what a sweep may still change

@@ -109,7 +109,6 @@ def calm(calming, w, calmed, grown, ahead, first_row, last_row):
             for k in range(at + HALO, at + width - HALO, WIDTH):
                 store(calmed, k, load(calmed, k) + more)
         wrap(calmed, at, width)
-        wrap(calmed, at + width, width)
 
 
 @part
@@ -144,7 +143,6 @@ def find_velocities(slowed, calmed, w, v, dt, raceway):
     for k in range(at, at + 2 * width, WIDTH):
         store(v, k, load(v, k) * over)
     wrap(v, at, width)
-    wrap(v, at + width, width)
 
 
 @part(inlined=False)
@@ -164,7 +162,6 @@ def drift(motion, radii, grown, dt, turn, rows):
         else:
             _drift_row(u, w, w, at, radius, reached, dt, turn)
         wrap(u, at, width)
-        wrap(u, at + width, width)
 
 
 @part
@@ -184,8 +181,8 @@ def _drift_row(u, w, moved, at, radius, reached, dt, turn):
 def drift_still(u, w, dt, first_row, last_row):
     """Move by dt·w; the frame does not turn."""
     width = u.shape[2]
-    for at in range(2 * first_row * width, 2 * last_row * width, width):
-        for k in range(at + HALO, at + width - HALO, WIDTH):
+    for at in range(2 * first_row * width, 2 * last_row * width, 2 * width):
+        for k in range(at, at + 2 * width, WIDTH):
             store(u, k, fma(dt, load(w, k), load(u, k)))
         wrap(u, at, width)
 
@@ -203,21 +200,21 @@ def drift_slowed(slowed, motion, calmed, dt, rows):
         else:
             _row_force(slowed, calmed, row, u, at, u, (w, at, dt))
         wrap(u, at, width)
-        wrap(u, at + width, width)
 
 
 @part(inlined=False)
 def wrap(u, at, width):
-    """Repeat the first eight sectors and the last one of the line of `width` from index `at` on in its halo."""
-    last = at + width - HALO
-    store(u, at + HALO - 1, gather(u, last - 1))
-    store(u, last, load(u, at + HALO))
+    """Repeat the first eight sectors and the last one of both lines of `width` from index `at` on in their halos."""
+    for line in range(at, at + 2 * width, width):
+        last = line + width - HALO
+        store(u, line + HALO - 1, gather(u, last - 1))
+        store(u, last, load(u, line + HALO))
 
 
 @part(inlined=False)
 def wrap_all(w):
     """Repeat every line's ends in its halos, for the stencil to be applied to velocities."""
-    for at in range(0, w.size, w.shape[2]):
+    for at in range(0, w.size, 2 * w.shape[2]):
         wrap(w, at, w.shape[2])
 
 
@@ -241,7 +238,6 @@ def set_rigid(out, at, cosines, sines, x, y):
         store(out, at + k, x * c + y * s)
         store(out, at + width + k, y * c - x * s)
     wrap(out, at, width)
-    wrap(out, at + width, width)
 
 
 @part(inlined=False)

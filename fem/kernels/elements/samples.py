@@ -19,7 +19,8 @@ from fem.kernels.elements.tilted import SlicedLaw
 from fem.kernels.jit import every, part
 from fem.kernels.lane_functions import cosine_and_sine, load_pair
 from fem.kernels.lanes import WIDTH, load, splat, total
-from fem.kernels.law import contact_energy
+from fem.kernels.law import stored_energy
+from fem.kernels.mounts import write_hub
 
 
 @part(inlined=False)
@@ -59,9 +60,7 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     forces, friction, dampers = contacts.forces, contacts.friction, contacts.dampers
     damping, n = bodies.damping, rollers.n
     out[sample.TIME] = time
-    out[sample.HUB_X], out[sample.HUB_Y] = drive.hub[0], drive.hub[1]
-    out[sample.HUB_VX], out[sample.HUB_VY] = 0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])
-    out[sample.HUB_AX], out[sample.HUB_AY] = (after[0] - before[0]) / dt, (after[1] - before[1]) / dt
+    write_hub(out, drive.hub, before, after, dt)
     out[sample.KINETIC] = kinetic_energy(bodies, drive, scratch)
     out[WORK_DRIVE] = _drive_work(bodies.inner, drive, scratch, time, moment)
     outer = None if drive.history is None else drive.history.outer
@@ -253,7 +252,7 @@ def _add_contact_energy(pair, contacts, n, out):
             if isinstance(law, SlicedLaw):
                 out[CONTACT] += law.axes.tilted.energy[pair.row, j]
             else:
-                out[CONTACT] += contact_energy(Q, law.A, forces.bracket[pair.row, j], law.Q_line)
+                out[CONTACT] += stored_energy(Q, forces.approach[pair.row, j], law.A, law.Q_line)
 
 
 add_contact_energy = every(_add_contact_energy, Pair)

@@ -12,8 +12,7 @@ import numpy as np
 
 from fem.kernels.drive import LoadHistory, OuterTurn
 from fem.kernels.fields import given, room, state
-from fem.kernels.law import Law
-from fem.kernels.profiles import RingProfile, RollerProfiles
+from fem.kernels.law import Law, RingProfile, RollerProfiles
 from lagrange.contact.damping import ContactDamping
 
 
@@ -42,8 +41,8 @@ class Rollers(NamedTuple):
 class Disc(NamedTuple):
     """Nodes of all rollers; none where these are rigid. Arrays of fields: see `discs`."""
 
-    starts: given("n_nodes + 1", np.int64)  # rows of 2 x 2 blocks
-    neighbours: given("n_blocks", np.int64)
+    starts: given("n_nodes + 1", dtype=np.int64)  # rows of 2 x 2 blocks
+    neighbours: given("n_blocks", dtype=np.int64)
     blocks: given("4 * n_blocks")  # −dt·M⁻¹K
     points: given("2 * n_nodes")  # m
     grown: given("2 * n_nodes")  # m/s, blocks·points

@@ -27,8 +27,7 @@ from fem.kernels.elements.state import DiscSurface, Ground, Hub, RigidDisc, Ring
 from fem.kernels.jit import kernel, part
 from fem.kernels.lane_functions import load_pair, store_pair
 from fem.kernels.lanes import gather, gather_rows, load, select, splat, store, total
-from fem.kernels.law import seamless
-from fem.kernels.profiles import place
+from fem.kernels.law import place, seamless
 
 N_NODES = 6
 ONE = (0,)  # as long as a contact of one patch

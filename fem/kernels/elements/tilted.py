@@ -19,8 +19,7 @@ from fem.kernels.fields import room, state
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import load_pair, logarithm, maximum, minimum
 from fem.kernels.lanes import WIDTH, absolute, load, scatter_add, select, splat, square_root, store, total
-from fem.kernels.law import Law
-from fem.kernels.profiles import lowered_ring, lowered_rollers
+from fem.kernels.law import Law, lowered_ring, lowered_rollers
 from fem.kernels.tilted_contact import SpalledRest, TiltedLaw
 from fem.kernels.tilts import Tilts, kick_axes, kick_hub_axis, note_furthest
 

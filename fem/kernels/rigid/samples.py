@@ -11,7 +11,7 @@ from fem.kernels.columns import INNER, ROLLER
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import load_pair
 from fem.kernels.lanes import WIDTH, count_from, load, select, splat, store, total
-from fem.kernels.mounts import TWELFTH, ring_place, ring_rates
+from fem.kernels.mounts import TWELFTH, ring_place, ring_rates, write_hub
 from fem.kernels.rigid.contacts import along_rings, law_energy, wrap
 
 
@@ -29,11 +29,8 @@ def write_motion(step, out):
     out[sample.DAMPED_BY_CONTACTS] = out[sample.DAMPED_BY_BODIES] = 0.0
     out[sample.TIME] = step.time
     ahead, a = TWELFTH * drive.dt * drive.dt, before.hub_acceleration
-    out[sample.HUB_X], out[sample.HUB_Y] = bodies.hub[0] + ahead * a[0], bodies.hub[1] + ahead * a[1]
-    vx, vy = before.hub_velocity[0], before.hub_velocity[1]
-    wx, wy = bodies.hub_velocity[0], bodies.hub_velocity[1]
-    out[sample.HUB_VX], out[sample.HUB_VY] = 0.5 * (vx + wx), 0.5 * (vy + wy)
-    out[sample.HUB_AX], out[sample.HUB_AY] = (wx - vx) / drive.dt, (wy - vy) / drive.dt
+    place = bodies.hub[0] + ahead * a[0], bodies.hub[1] + ahead * a[1]
+    write_hub(out, place, before.hub_velocity, bodies.hub_velocity, drive.dt)
     n = bodies.n
     for j in range(n):
         at = sample.N_SCALARS + j

@@ -77,14 +77,12 @@ def given(law, inertia, settling, mass, speed):
 @part
 def _push(bodies, forces, drive, row, j, impulse):
     x, y = impulse * forces.normal[row, 0, j], impulse * forces.normal[row, 1, j]
-    over = 1.0 / bodies.mass
+    over = 1.0 / bodies.mass if row == INNER else -1.0 / bodies.mass
+    bodies.velocity[0, j] += over * x
+    bodies.velocity[1, j] += over * y
     if row == INNER:
-        bodies.velocity[0, j] += over * x
-        bodies.velocity[1, j] += over * y
         push_mounted(bodies.shaft, bodies.hub_velocity, bodies.hub_mass, -x / drive.dt, -y / drive.dt, drive.dt)
     else:
-        bodies.velocity[0, j] -= over * x
-        bodies.velocity[1, j] -= over * y
         housing = bodies.housing
         if housing is not None:
             push_mounted(housing, housing.velocity, housing.mass, x / drive.dt, y / drive.dt, drive.dt)

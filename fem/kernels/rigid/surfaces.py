@@ -11,8 +11,8 @@ from fem.kernels.drive import SPEED, TURN, speed_of, with_outer
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import cosine_and_sine, load_pair, store_pair
 from fem.kernels.lanes import count_from, load, select, splat, store, total
+from fem.kernels.law import lowered_ring, lowered_rollers
 from fem.kernels.mounts import ring_place
-from fem.kernels.profiles import lowered_ring, lowered_rollers
 from fem.kernels.rigid.rays import take_moment
 from fem.kernels.rigid.state import normals
 from fem.kernels.tilted_contact import FALL, NOW, PART_EDGES, SUNK

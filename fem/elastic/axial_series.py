@@ -86,13 +86,11 @@ def harmonic_compliance(body: Section, n: np.ndarray, k: float) -> np.ndarray:
     R, nu = body.loaded, body.material.poisson_ratio
     grow, decay = body.convexity > 0, body.convexity < 0  # the functions that fall off from the loaded surface
     free = _fields(n, k, R, nu, _functions(n, k, R, decay), decay)
-    displacement = np.empty(n.shape)
-    alone = np.ones(n.shape, dtype=bool)
+    displacement, alone = np.empty(n.shape), np.ones(n.shape, dtype=bool)
     if body.held:
-        apart = np.abs(_log_size(n, k * R, decay) - _log_size(n, k * body.held, decay))
-        alone = apart > DECOUPLED
-    pushed = np.array([-1.0, 0.0, 0.0])[:, None]  # σ_rr, σ_rθ, σ_rz
-    weights = np.linalg.solve(free[alone][:, 3:], np.broadcast_to(pushed, (int(alone.sum()), 3, 1)))
+        alone = np.abs(_log_size(n, k * R, decay) - _log_size(n, k * body.held, decay)) > DECOUPLED
+    pushed = np.array([-1.0, 0.0, 0.0]).reshape(1, 3, 1)  # σ_rr, σ_rθ, σ_rz
+    weights = np.linalg.solve(free[alone][:, 3:], pushed)
     displacement[alone] = (free[alone][:, :1] @ weights)[:, 0, 0]
     if not alone.all():
         m = n[~alone]
@@ -102,7 +100,7 @@ def harmonic_compliance(body: Section, n: np.ndarray, k: float) -> np.ndarray:
         still = np.concatenate([falling, growing], axis=2)
         both = np.concatenate([loaded[:, 3:], still[:, :3]], axis=1)
         scale = np.abs(both).max(axis=1, keepdims=True)
-        right = np.broadcast_to(np.concatenate([pushed, np.zeros((3, 1))]), (m.size, 6, 1))
+        right = np.concatenate([pushed, np.zeros((1, 3, 1))], axis=1)
         weights = np.linalg.solve(both / scale, right) / np.swapaxes(scale, 1, 2)
         displacement[~alone] = (loaded[:, :1] @ weights)[:, 0, 0]
     return -body.convexity * displacement / body.material.lame_mu

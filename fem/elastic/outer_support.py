@@ -29,17 +29,16 @@ class LooseRing(RingBody):
 
     def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
         """As `RingBody.surface_influence`; kept: contacts stay over their nodes while an equilibrium is found."""
-        nodes = np.asarray(nodes)
-        if (key := nodes.tobytes()) not in self._influences:
-            self._influences[key] = self._influence(nodes)
+        if (key := np.asarray(nodes).tobytes()) not in self._influences:
+            self._influences[key] = self._influence(np.asarray(nodes))
         return self._influences[key]
 
     def _influence(self, nodes: np.ndarray) -> np.ndarray:
-        force, each = np.zeros((self.n_rows, 2, self.n_sectors, 2 * nodes.size)), np.arange(nodes.size)
-        for component in range(2):
-            force[self.raceway_row, component, nodes, 2 * each + component] = 1.0
-        found = self.held(force)[self.raceway_row][:, nodes]  # (component, node, unit force)
-        return found.transpose(1, 0, 2).reshape(2 * nodes.size, 2 * nodes.size)
+        places = self.surface_places(nodes)
+        force = np.zeros((self.matrix.shape[0], places.size))
+        force[places, np.arange(places.size)] = 1.0
+        found = self.held(force.reshape(self.n_rows, 2, self.n_sectors, -1))
+        return found.reshape(force.shape)[places]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -29,7 +29,6 @@ from fem.kernels.law import kick_force, lowered_ring, lowered_rollers, next_forc
 def press_patches(groups, rollers, disc, contacts, drive):
     """Normal forces of all pairs. Contacts go through it step by step together: one alone waits for its own numbers."""
     _meet_all(groups, rollers, disc, contacts)
-    _locate_all(groups, rollers, disc, contacts)
     _read_all(groups, rollers, disc, contacts)
     _press_all(groups, rollers, disc, contacts, drive)
 
@@ -121,16 +120,8 @@ def _meet(pair, rollers, disc, contacts):
 
 
 @part
-def _locate(pair, rollers, disc, contacts):
-    patches = contacts.patches
-    for group in range(0, rollers.n, WIDTH):
-        if _are_near(contacts, pair.row * rollers.columns + group):
-            surfaces.locate_patch(first_surface(pair, disc), patches, 2 * pair.row, group)
-            surfaces.locate_patch(disc, patches, 2 * pair.row + 1, group)
-
-
-@part
 def _read(pair, rollers, disc, contacts):
+    """Where a pair's patches lie, and how they move."""
     patches, side, columns, n = contacts.patches, 2 * pair.row, rollers.columns, rollers.n
     for group in range(0, n, WIDTH):
         if _are_near(contacts, pair.row * columns + group):
@@ -140,6 +131,7 @@ def _read(pair, rollers, disc, contacts):
 
 @part
 def _keep_motion(surface, patches, side, group, column):
+    surfaces.locate_patch(surface, patches, side, group)
     motion = surfaces.interpolate_displacement(surface, patches, side, group, column)
     out, sideways, rate, ripple, ripple_rate = motion
     at, columns = 5 * side * patches.columns + group, patches.columns
@@ -228,8 +220,7 @@ def _press(pair, rollers, disc, contacts, drive):
         pair.moment[0] += total(moment)
 
 
-_meet_all, _locate_all = every(_meet, Pair), every(_locate, Pair)
-_read_all, _press_all = every(_read, Pair), every(_press, Pair)
+_meet_all, _read_all, _press_all = every(_meet, Pair), every(_read, Pair), every(_press, Pair)
 
 
 @part
@@ -237,14 +228,14 @@ def scatter_normal_forces(pair, rollers, disc, contacts, dampers, dt):
     """Give the surface nodes of a pair the impulses of its normal forces in a step, and of the dampers' if not None."""
     patches, kick, side, moment = contacts.patches, contacts.forces.kick, 2 * pair.row, splat(0.0)
     surface = first_surface(pair, disc)
-    surfaces.clear_ghost_nodes(surface)
+    surfaces.ghost_nodes(surface, surfaces.CLEAR)
     for group in range(0, rollers.n, WIDTH):
         row = pair.row * rollers.columns + group
         given = with_dampers(dampers, row, load(kick, row)) * -dt
         if any_lane(given != 0.0):
             moment += surfaces.scatter_force(surface, patches, side, group, given * pair.sign, None)
             surfaces.scatter_force(disc, patches, side + 1, group, given, None)
-    surfaces.accumulate_ghost_nodes(surface)
+    surfaces.ghost_nodes(surface, surfaces.GIVE)
     if pair.surface is not None:
         pair.moment[1] += total(moment)
 

@@ -74,7 +74,7 @@ def _damp(pair, rollers, disc, contacts, dt, later):
             if surface is None:
                 x, y = lanes.gather_pair(velocity, next_rollers(group, n), columns)
                 vx, vy = x - vx, y - vy
-            surfaces.fill_ghost_nodes(first_surface(pair, disc))
+            surfaces.ghost_nodes(first_surface(pair, disc), surfaces.FILL)
             first, light = surfaces.out_of_surface(first_surface(pair, disc), patches, side, group, nx, ny)
             second, own_light = surfaces.out_of_surface(disc, patches, side + 1, group, nx, ny)
             rate, mobility = sign * first + second - sign * (vx * nx + vy * ny), (light + own_light) * dt
@@ -124,9 +124,9 @@ def _push_late(surface, patches, side, group, column, given, x, y):
     """`surfaces.scatter_force` along b once bodies have had their kick; (x, y): fixed axes, N s. Returns its moment."""
     if isinstance(surface, Hub) or isinstance(surface, RigidDisc):
         return surfaces.push_body(surface, column, x, y, 0.0)
-    surfaces.clear_ghost_nodes(surface)
+    surfaces.ghost_nodes(surface, surfaces.CLEAR)
     moment = total(surfaces.scatter_force(surface, patches, side, group, given, None))
-    surfaces.accumulate_ghost_nodes(surface)
+    surfaces.ghost_nodes(surface, surfaces.GIVE)
     return moment
 
 

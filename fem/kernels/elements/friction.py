@@ -140,7 +140,7 @@ def slip_velocity(pair, rollers, disc, contacts, turn_kick, out):
     spin as a whole. Open contacts get what has no meaning.
     """
     velocity, columns, side, patches = rollers.velocity, rollers.columns, 2 * pair.row, contacts.patches
-    surfaces.fill_ghost_nodes(first_surface(pair, disc))
+    surfaces.ghost_nodes(first_surface(pair, disc), surfaces.FILL)
     for group in range(0, rollers.n, WIDTH):
         row = pair.row * columns + group
         if any_lane(load(contacts.forces.force, row) > 0.0):
@@ -202,7 +202,7 @@ def _apply(pair, rollers, disc, contacts, kick, dt):
     """Give the bodies of a pair the impulses of the changes of its tractions in a step; nodes in one pass with those of
     `kick`, the normal forces, unless it is None."""
     patches, side, moment, surface = contacts.patches, 2 * pair.row, splat(0.0), first_surface(pair, disc)
-    surfaces.clear_ghost_nodes(surface)
+    surfaces.ghost_nodes(surface, surfaces.CLEAR)
     for group in range(0, rollers.n, WIDTH):
         row, outward, inward = pair.row * rollers.columns + group, None, None
         rubbed = load(contacts.friction.change, row) * dt  # along t on side 1
@@ -215,7 +215,7 @@ def _apply(pair, rollers, disc, contacts, kick, dt):
             surfaces.scatter_force(disc, patches, side + 1, group, inward, rubbed * -pair.sign)
             share_nodes(pair, rollers, disc, group, -(rubbed * ny), rubbed * nx)
             moment += surfaces.scatter_force(surface, patches, side, group, outward, -rubbed)
-    surfaces.accumulate_ghost_nodes(surface)
+    surfaces.ghost_nodes(surface, surfaces.GIVE)
     if pair.surface is not None:
         pair.moment[1] += total(moment)
     if contacts.friction.whole is not None:

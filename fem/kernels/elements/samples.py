@@ -111,13 +111,6 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     write_others(bodies.others, drive, out)
 
 
-@part
-def _lines(ring, row):
-    """Where the radial and the tangential components of a row of a ring's nodes begin."""
-    radial = 2 * row * ring.cosines.size
-    return radial, radial + ring.cosines.size
-
-
 @part(inlined=False)
 def _drive_work(inner, drive, scratch, time, moment):
     """Work of what keeps the shaft's speed, J, up to a constant: speed times the moment on ring and hub it must give.
@@ -147,11 +140,10 @@ def _changes(ring, before):
     their kinetic energy, J; and Σ m X times what their radial velocities have gained in a kick, kg m²/s."""
     angular, kinetic, outward = splat(0.0), splat(0.0), splat(0.0)
     for row in range(ring.first_row, ring.last_row):
-        (radial, tangential), mass = _lines(ring, row), ring.row_mass[row]
-        for k in range(HALO, HALO + ring.n_sectors, WIDTH):
-            x, y = ring.radii[row] + load(ring.u, radial + k), load(ring.u, tangential + k)
-            a, b = load_pair(before, radial + k, tangential - radial)
-            p, q = load_pair(ring.w, radial + k, tangential - radial)
+        width, mass = ring.cosines.size, ring.row_mass[row]
+        for k in range(2 * row * width + HALO, (2 * row + 1) * width - HALO, WIDTH):
+            (x, y), (a, b) = load_pair(ring.u, k, width), load_pair(before, k, width)
+            x, (p, q) = x + ring.radii[row], load_pair(ring.w, k, width)
             angular += mass * (x * (b + q) - y * (a + p))
             kinetic += mass * (a * p + b * q)
             outward += mass * ring.radii[row] * (p - a)
@@ -263,9 +255,9 @@ def _ring_place(ring, c, s):
     """Σ m x and Σ m y of the free nodes, kg m; c, s of the ring's turn."""
     x, y = splat(0.0), splat(0.0)
     for row in range(ring.first_row, ring.last_row):
-        (radial, tangential), mass = _lines(ring, row), ring.row_mass[row]
+        at, mass = 2 * row * ring.cosines.size, ring.row_mass[row]
         for k in range(HALO, HALO + ring.n_sectors, WIDTH):
-            a, b = load(ring.u, radial + k), load(ring.u, tangential + k)
+            a, b = load_pair(ring.u, at + k, ring.cosines.size)
             cosine, sine = load(ring.cosines, k), load(ring.sines, k)
             x += mass * (a * cosine - b * sine)
             y += mass * (a * sine + b * cosine)

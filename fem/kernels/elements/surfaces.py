@@ -30,6 +30,7 @@ from fem.kernels.lanes import gather, gather_rows, load, select, splat, store, t
 from fem.kernels.law import place, seamless
 
 N_NODES = 6
+FILL, CLEAR, GIVE = range(3)  # of ghost nodes
 ONE = (0,)  # as long as a contact of one patch
 CORNER = 0.02  # of a facet on either side of a node is rounded: no force jumps where a node passes
 
@@ -404,31 +405,17 @@ def push_body(surface, column, x, y, around):
     return 0.0
 
 
-# the room behind a raceway's last node, where impulses on its first ones may go: ghost nodes
-
-
 @part
-def fill_ghost_nodes(surface):
-    """Repeat the velocities of a raceway's first nodes behind its last."""
+def ghost_nodes(surface, what):
+    """The room behind a raceway's last node, where impulses on its first ones may go.
+
+    FILL it with the first nodes' velocities, CLEAR it, or GIVE the first nodes what has gone there.
+    """
     if isinstance(surface, RingSurface):
         w, width = surface.w, surface.cosines.size
-        for line in range(2 * surface.row * width, 2 * (surface.row + 1) * width, width):
-            store(w, line + width - HALO, load(w, line + HALO))
-
-
-@part
-def clear_ghost_nodes(surface):
-    """Empty the room behind a raceway's last node."""
-    if isinstance(surface, RingSurface):
-        w, width = surface.w, surface.cosines.size
-        for line in range(2 * surface.row * width, 2 * (surface.row + 1) * width, width):
-            store(w, line + width - HALO, splat(0.0))
-
-
-@part
-def accumulate_ghost_nodes(surface):
-    """Give the first nodes of a raceway what has gone behind its last."""
-    if isinstance(surface, RingSurface):
-        w, width = surface.w, surface.cosines.size
-        for line in range(2 * surface.row * width, 2 * (surface.row + 1) * width, width):
-            store(w, line + HALO, load(w, line + HALO) + load(w, line + width - HALO))
+        for first in range(2 * surface.row * width + HALO, 2 * (surface.row + 1) * width, width):
+            ghosts = first + width - 2 * HALO
+            if what == GIVE:
+                store(w, first, load(w, first) + load(w, ghosts))
+            else:
+                store(w, ghosts, load(w, first) if what == FILL else splat(0.0))

@@ -54,14 +54,9 @@ def note_beyond(bodies, forces):
                 more = pair.cage.guide.kick[0] - pair.cage.guide.force[0]
                 x, y = -more * pair.cage.guide.normal[0, 0], -more * pair.cage.guide.normal[1, 0]
     for j in range(bodies.n):
-        # What a kick P gives beyond the force Q that a sample holds, N, each with the damper's.
-        Q = forces.force[INNER, j]
-        P = forces.kick[INNER, j]
-        if forces.dampers is None:
-            more = P - Q
-        else:
-            F = forces.dampers.force[INNER, j]
-            more = P + F - max(Q + F, 0.0)
+        # what a kick gives beyond the force that a sample holds, N, each with the damper's
+        F = 0.0 if forces.dampers is None else forces.dampers.force[INNER, j]
+        more = forces.kick[INNER, j] + F - max(forces.force[INNER, j] + F, 0.0)
         x -= more * forces.normal[INNER, 0, j]
         y -= more * forces.normal[INNER, 1, j]
     forces.beyond[0] = max(forces.beyond[0], sqrt(x * x + y * y))

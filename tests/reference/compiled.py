@@ -8,7 +8,6 @@ import numpy as np
 
 from fem.elastic.reciprocal_mass import ReciprocalMass
 from fem.kernels import columns, law
-from fem.kernels.elements import contacts as of_patches
 from fem.kernels.elements import discs, friction, loop, rings, samples
 from fem.kernels.elements.rings import HALO
 from fem.kernels.jit import kernel
@@ -33,13 +32,47 @@ calm_ring, kick_ring, drift_slowed_ring = map(kernel, (rings.calm, rings.kick, r
 find_velocities, wrap_all, spring_energy = map(kernel, (rings.find_velocities, rings.wrap_all, friction.spring_energy))
 kick_force, stored_energy, next_force = map(kernel, (law.kick_force, law.stored_energy, law.next_force))
 place, creep_traction = kernel(law.place), kernel(law.creep_traction)
-kick, remember, _press, _push = map(kernel, (loop.kick, samples.remember, loop.press_contacts, loop.push_surfaces))
+kick, remember = kernel(loop.kick), kernel(samples.remember)
 kinetic_energy, elastic_energy = kernel(samples.kinetic_energy), kernel(samples.elastic_energy)
 
 
-@kernel
-def _energy(groups, contacts, n, out):
-    samples.add_contact_energy(groups, contacts, n, out)
+def of_state(function):
+    """A kernel that takes groups, bodies, contacts and drive of a state, and more."""
+    run = kernel(function)
+    return lambda state, *more: run(state.groups, state.bodies, state.contacts, state.drive, *more)
+
+
+press_contacts, push_surfaces = of_state(loop.press_contacts), of_state(loop.push_surfaces)
+
+
+@of_state
+def find_slips(groups, bodies, contacts, drive, turn_kick, out):
+    friction.grip_all(groups, bodies.rollers, bodies.surface, contacts)
+    friction.slip_all(groups, bodies.rollers, bodies.surface, contacts, turn_kick, out)
+
+
+@of_state
+def rub_contacts(groups, bodies, contacts, drive):
+    """Tractions of patches that grip and slip, and their impulses; what they take in a step, J.
+
+    With springs nodes are given the normal forces' impulses too, but where `whole` says that they have had them.
+    """
+    rollers, surface = bodies.rollers, bodies.surface
+    if contacts.friction.shear is not None:
+        friction.follow_slips_before(contacts.friction.shear, contacts.friction, rollers.n)
+    friction.friction_contacts(groups, rollers, surface, contacts, drive)
+    return 0.5 * drive.dt * friction.slips_after(groups, rollers, surface, contacts, drive.dt, True)
+
+
+@of_state
+def _energy(groups, bodies, contacts, drive, out):
+    samples.add_contact_energy(groups, contacts, bodies.rollers.n, out)
+
+
+def contact_energy(state: Arrays) -> float:
+    out = np.zeros(columns.CONTACT + 1)
+    _energy(state, out)
+    return float(out[columns.CONTACT])
 
 
 @kernel
@@ -51,34 +84,12 @@ def drift(bodies, groups, contacts, drive, scratch):
 
 
 @kernel
-def _press_groups(groups, rollers, surface, contacts, drive):
-    of_patches.press_patches(groups, rollers, surface, contacts, drive)
-    of_patches.push_patches(groups, rollers, surface, contacts, None, drive.dt)
-
-
-@kernel
-def _slips(groups, rollers, surface, contacts, turn_kick, out):
-    friction.grip_all(groups, rollers, surface, contacts)
-    friction.slip_all(groups, rollers, surface, contacts, turn_kick, out)
-
-
-@kernel
-def _rub(groups, rollers, surface, contacts, drive):
-    if contacts.friction.shear is not None:
-        friction.follow_slips_before(contacts.friction.shear, contacts.friction, rollers.n)
-    friction.friction_contacts(groups, rollers, surface, contacts, drive)
-    return 0.5 * drive.dt * friction.slips_after(groups, rollers, surface, contacts, drive.dt, True)
-
-
-@kernel
 def pull_spring(shear, contacts, pair, dt, limit, full_slip):
-    """Pull with the first eight springs; see `fem.kernels.elements.friction.pull`."""
     friction.pull(shear, contacts, pair, 0, dt, splat(limit), splat(full_slip))
 
 
 @kernel
 def follow_slips(shear, forces, of_contacts, dt, n):
-    """Both halves of `fem.kernels.elements.friction`."""
     friction.follow_slips_after(shear, forces, of_contacts, dt, n)
     friction.follow_slips_before(shear, of_contacts, n)
 
@@ -91,41 +102,6 @@ def move_slowed_ring(table: np.ndarray, u: np.ndarray, w: np.ndarray, mass: Reci
         calm_ring(slowing.velocities / dt * table, w, calmed, np.zeros(len(w)), 0.0, *rows)
     find_velocities(slowing.waves * table, calmed, w, v, dt, raceway)
     drift_slowed_ring(slowing.waves * table, (u, w, v), calmed, dt, (*rows, raceway))
-
-
-def press_contacts(state: Arrays) -> None:
-    """Find the normal forces of a state by its contact model; with many points their impulses are given too."""
-    _press(state.groups, state.bodies, state.contacts, state.drive)
-
-
-def push_surfaces(state: Arrays) -> None:
-    """Give the impulses of the normal forces that `press_contacts` has found."""
-    _push(state.groups, state.bodies, state.contacts, state.drive)
-
-
-def press_groups(state: Arrays, groups: tuple) -> None:
-    """Both, of some groups of pairs with the law below the grid."""
-    _press_groups(groups, state.bodies.rollers, state.bodies.surface, state.contacts, state.drive)
-
-
-def find_slips(state: Arrays, turn_kick: np.ndarray, out: np.ndarray) -> None:
-    """How a state's patches grip and slip; see `fem.kernels.elements.friction.slip_velocity`."""
-    _slips(state.groups, state.bodies.rollers, state.bodies.surface, state.contacts, turn_kick, out)
-
-
-def rub_contacts(state: Arrays) -> float:
-    """Tractions of a state whose patches grip and slip, and their impulses; what they take in a step, J.
-
-    With springs nodes are given the normal forces' impulses too, but where `whole` says that they have had them.
-    """
-    return _rub(state.groups, state.bodies.rollers, state.bodies.surface, state.contacts, state.drive)
-
-
-def contact_energy(state: Arrays) -> float:
-    """Energy of a state's contacts, J."""
-    out = np.zeros(columns.CONTACT + 1)
-    _energy(state.groups, state.contacts, state.bodies.rollers.n, out)
-    return float(out[columns.CONTACT])
 
 
 # ---- Compiled runs of the Lagrangian model, and their judge, `forward_motion`, which shares no step with them.
@@ -188,7 +164,6 @@ simulation = Motion
 
 
 def compiled(problem: Problem, count: int, interval: float = 1e-5, time_step: float | None = None) -> SimpleNamespace:
-    """The first samples, by compiled steps."""
     return Motion(problem, interval, time_step).advance(count)
 
 
@@ -227,7 +202,6 @@ def roller_field(state, flat):
 
 
 def fill_ring(field, values):
-    """Put values into (rows, 2, n + 2 HALO) and close the seam."""
     field[:, :, HALO:-HALO] = values
     field[:, :, HALO - 1], field[:, :, -HALO:] = field[:, :, -HALO - 1], field[:, :, HALO : 2 * HALO]
 
@@ -250,7 +224,6 @@ def random_state(seed, resolved=False, mesh_size=1e-3):
 
 
 def shake(state, rng, name, size):
-    """Give every node a random displacement, u, or velocity, w."""
     bodies = state.bodies
     at = roller_field(state, getattr(bodies.disc, name))
     at[:] = size * rng.standard_normal(at.shape)
@@ -318,7 +291,6 @@ def with_friction(state, **changes):
 
 
 def without_springs(state):
-    """Contacts whose creep is solved for, as pressure points have it."""
     return with_friction(state, shear=None)
 
 

@@ -37,13 +37,10 @@ def _twice(x):
 
 @part
 def _asked(x, other):
-    if other is None:
-        return x
-    return x + other
+    return x if other is None else x + other
 
 
 def _kept(tmp_path):
-    """A kernel is kept on disk and loaded by another dispatcher."""
     for hits in (0, 1):
         function = numba.njit(pipeline_class=KernelCompiler)(_plain)
         function._cache = KernelCache(_plain, tmp_path)
@@ -118,18 +115,15 @@ def test_the_median_of_the_last_runs_counts(kept):
     assert compiling.pace("reduced") == 1.0
 
 
-@pytest.mark.parametrize(("expected", "took"), [(1.0, 0.001), (0.0, 5.0), (1.0, 1e6), (1e6, 1.0)])
-def test_what_tells_nothing_of_the_machine_is_not_kept(expected, took, kept):
-    compiling.remember("fem", expected, took)
-    assert not kept.exists()
-
-
-@pytest.mark.parametrize("text", ["", "[]", "{", '{"a": 3}', '{"a": ["x"]}', "\x00"])
-def test_a_damaged_file_counts_for_nothing_and_is_replaced(text, kept):
-    kept.write_text(text, encoding="utf-8")
-    assert compiling.pace("fem") == 1.0
-    compiling.remember("fem", 1.0, 3.0)
-    assert compiling.pace("fem") == 3.0
+def test_what_tells_nothing_of_the_machine_is_not_kept_and_a_damaged_file_is_replaced(kept):
+    for expected, took in ((1.0, 0.001), (0.0, 5.0), (1.0, 1e6), (1e6, 1.0)):
+        compiling.remember("fem", expected, took)
+        assert not kept.exists(), (expected, took)
+    for text in ("", "[]", "{", '{"a": 3}', '{"a": ["x"]}', "\x00"):
+        kept.write_text(text, encoding="utf-8")
+        assert compiling.pace("fem") == 1.0, text
+        compiling.remember("fem", 1.0, 3.0)
+        assert compiling.pace("fem") == 3.0, text
 
 
 def test_a_folder_that_can_not_be_made_is_no_failure(tmp_path, monkeypatch):
@@ -214,7 +208,6 @@ BEFORE = (
 
 
 def start_of(scene) -> list[bytes]:
-    """All numbers that a run begins with."""
     plan = make_plan(scene)
     arrays, numbers = plan.first_state().to_keep()
     text = json.dumps([plan.time_step, plan.critical_time_step, numbers])
@@ -222,7 +215,6 @@ def start_of(scene) -> list[bytes]:
 
 
 def forget() -> None:
-    """Empty what planning keeps, as in a process that has just begun."""
     for kept in (elements._built, exact_statics._kept_series, deviation.profiles, edges._table):
         kept.cache_clear()
 

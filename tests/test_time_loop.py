@@ -366,18 +366,14 @@ def test_the_step_limit_holds_for_a_rigid_roller_between_elastic_rings(density):
     whole = model(bearing_with(["rollers"], replace(RIGID, density=density)), 2e-3)
     laws = {name: getattr(whole, name) for name in ("inner_law", "outer_law")}
     hard = replace(whole, **{name: replace(law, A=1e-2 * law.A) for name, law in laws.items()})
-    parts, pushes = [], []
+    parts, masses, first = [], [], 0
     for body in (hard.inner_ring, hard.outer_ring):  # stiffness and mass of a held ring's free degrees of freedom
-        free = np.zeros((body.n_rows, 2, body.n_sectors), dtype=bool)
-        free[body.free_rows] = True
-        unit = np.eye(free.size)[free.ravel()]
-        stiffness = np.array([body.force(u.reshape(free.shape))[free] for u in unit])
-        parts.append((stiffness, np.broadcast_to(body.row_mass[:, None, None], free.shape)[free]))
-        pushes.append(points.patch_force(body, 0.3)[free])
-    stiffness = block_diag(*(matrix for matrix, _ in parts), np.zeros((1, 1)))
-    mass, first = np.concatenate([*(mass for _, mass in parts), [hard.roller.total_mass]]), 0
-    for push, name in zip(pushes, laws, strict=True):
-        law, closing = getattr(hard, name), np.zeros(mass.size)
+        free = body.free_places
+        parts.append(body.matrix[free][:, free].toarray())
+        masses.append(np.repeat(body.row_mass, 2 * body.n_sectors)[free])
+    stiffness, mass = block_diag(*parts, np.zeros((1, 1))), np.concatenate([*masses, [hard.roller.total_mass]])
+    for body, name in ((hard.inner_ring, "inner_law"), (hard.outer_ring, "outer_law")):
+        push, law, closing = points.patch_force(body, 0.3).ravel()[body.free_places], getattr(hard, name), 0.0 * mass
         closing[first : first + len(push)], closing[-1] = push, -1.0
         stiffness += law.stiffness(min(6500.0, law.Q_line)) * np.outer(closing, closing)
         first += len(push)
@@ -451,12 +447,7 @@ def keep_all(car):
     return car
 
 
-@part
-def drive_one(car, more):
-    drive(car, more)
-
-
-drive_all = every(drive_one)
+drive_all = every(drive)
 
 
 @part
@@ -486,7 +477,7 @@ def test_fields_that_a_part_uses_itself_or_by_parts_that_it_calls(function, used
     assert fields_used(function) == used
 
 
-def test_a_part_is_compiled_once_for_arguments_that_differ_in_what_it_does_not_use(not_kept):
+def test_a_part_is_compiled_once_for_arguments_that_differ_in_what_it_does_not_use(not_kept, tmp_path):
     @kernel
     def advance(cars, more):
         drive_all(cars, more)
@@ -500,37 +491,24 @@ def test_a_part_is_compiled_once_for_arguments_that_differ_in_what_it_does_not_u
     assert (begun.count("advance"), begun.count("drive"), begun.count("radius_of")) == (3, 2, 1)
     written = [code for code in shifted if code.__name__ == "code"]  # for groups, and kept as of the part's module
     assert written and all(importlib.import_module(code.__module__) for code in written)
+    files = [cache(radius_of, tmp_path)._file(("any", "key")) for cache in (PartCache, KernelCache)]
+    assert files[0] != files[1], "what is kept of a part and of a kernel of one function"
 
 
-def test_what_is_kept_of_a_part_and_of_a_kernel_of_one_function_has_files_of_its_own(tmp_path):
-    key = "any", "key"
-    assert PartCache(radius_of, tmp_path)._file(key) != KernelCache(radius_of, tmp_path)._file(key)
-
-
-@pytest.mark.parametrize(("brake", "load", "speed"), [(None, None, 1.0), (Brake(2.0), np.full(1, 5.0), 3.0)])
-def test_one_function_serves_scenes_with_a_part_and_without_it(not_kept, brake, load, speed):
-    @kernel
-    def advance(cars, more):
-        brake_all(cars, more)
-
-    car = Car(Wheel(np.zeros(1), 0.5), brake, load)
-    advance((car,), 1.0)
-    assert car.wheel.speed[0] == speed
+def test_one_function_serves_scenes_with_a_part_and_without_it(not_kept):
+    advance = kernel(lambda cars, more: brake_all(cars, more))
+    for brake, load, speed in ((None, None, 1.0), (Brake(2.0), np.full(1, 5.0), 3.0)):
+        car = Car(Wheel(np.zeros(1), 0.5), brake, load)
+        advance((car,), 1.0)
+        assert car.wheel.speed[0] == speed
 
 
 def test_a_question_that_the_reader_of_fields_does_not_see_is_no_silent_no(not_kept, monkeypatch):
     monkeypatch.setattr("fem.kernels.jit.fields_used", lambda function: ({"wheel": WHOLE},))
 
-    @part
-    def is_free(car):
-        return car.brake is None
-
-    @kernel
-    def ask(car):
-        return is_free(car)
-
+    is_free = part(lambda car: car.brake is None)
     with pytest.raises(TypeError, match="fields_used does not see"):
-        ask(Car(Wheel(np.zeros(1), 0.5), None))
+        kernel(lambda car: is_free(car))(Car(Wheel(np.zeros(1), 0.5), None))
 
 
 # The contact law below the grid: finite elements plus law give the exact approach wherever the contact sits

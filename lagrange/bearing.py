@@ -22,7 +22,7 @@ Source: Harris, Rolling Bearing Analysis (4th ed. 2001), chapters 7 (radial load
 
 from dataclasses import dataclass, replace
 from math import cos, degrees, inf, pi, sin
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -75,8 +75,7 @@ class Material:
 CORE = 0.45
 
 
-@dataclass(frozen=True, kw_only=True)
-class OwnLaw:
+class OwnLaw(NamedTuple):
     """A contact law Q = K δ^n of the user's own; SI."""
 
     inner_stiffness: float  # K of one contact, N/m^n
@@ -231,15 +230,6 @@ class Operation:
     history: LoadHistory | None = None  # how speeds and loads, which are those at t = 0, go on; None: they stay
     outer_speed: float = 0.0  # of the outer ring, which turns about its fixed centre, rad/s
 
-    def going_on(self, **history) -> "Operation":
-        """With a `LoadHistory` of these entries."""
-        found = LoadHistory(**history)
-        x, y = found.force(0.0)
-        speed, outer_speed = (float(each) for each in found.ring_speeds(0.0))
-        return replace(
-            self, speed=speed, outer_speed=outer_speed, radial_load=-float(y), side_load=float(x), history=found
-        )
-
     def at(self, time) -> "Operation":
         """What acts at a time, s, without a history; at times, (n_times,), speed and loads are such arrays."""
         if self.history is None:
@@ -336,12 +326,9 @@ def section_operation(bearing: Bearing, operation: Operation) -> Operation:
     load, stiffness = load_factor(bearing), stiffness_factor(bearing)
     history = operation.history
     if history is not None:
-        history = replace(
-            history,
-            load=type(history.load)(history.load.c / load, history.load.x),
-            unbalance=history.unbalance / load,
-            rotating_load=history.rotating_load / load,
-        )
+        of_section = type(history.load)(history.load.c / load, history.load.x)
+        unbalance, rotating = history.unbalance / load, history.rotating_load / load
+        history = replace(history, load=of_section, unbalance=unbalance, rotating_load=rotating)
     return replace(
         operation, radial_load=operation.radial_load / load, side_load=operation.side_load / load,
         inner_mass=operation.inner_mass / stiffness, gravity=operation.gravity * bearing.cosine,
@@ -353,14 +340,11 @@ def section_mounting(bearing: Bearing, mounting: Mounting) -> Mounting:
     """Springs, dashpots and housing as the section has them."""
     if is_plain(bearing):
         return mounting
-    share, shaft, housing = 1.0 / stiffness_factor(bearing), mounting.shaft, mounting.housing
-    if shaft is not None:
-        shaft = replace(shaft, stiffness=share * shaft.stiffness, damping=share * shaft.damping)
-    if housing is not None:
-        housing = replace(
-            housing, mass=share * housing.mass, stiffness=share * housing.stiffness, damping=share * housing.damping
-        )
-    return replace(mounting, shaft=shaft, housing=housing)
+    share, found = 1.0 / stiffness_factor(bearing), {}
+    for name in ("shaft", "housing"):
+        if (body := getattr(mounting, name)) is not None:
+            found[name] = replace(body, **{key: share * value for key, value in vars(body).items()})
+    return replace(mounting, **found)
 
 
 def section_words(bearing: Bearing) -> str:

@@ -24,14 +24,7 @@ from math import asin, degrees, pi, sqrt
 from pathlib import Path
 from typing import NamedTuple
 
-from lagrange.rating.life import (
-    Dimensions,
-    ball_dynamic_capacity,
-    ball_static_capacity,
-    dynamic_capacity,
-    static_capacity,
-    static_factor,
-)
+from lagrange.rating.life import Dimensions, ball_dynamic_capacity, dynamic_capacity, static_factor
 
 _DATA = Path(__file__).with_name("catalogue.csv")
 _BORES = 10, 18, 24, 30, 40, 50, 65, 80, 100  # mm, up to which clearances are
@@ -105,7 +98,7 @@ def entries() -> dict[str, Entry]:
         for name, *cells, source in rows}
 
 
-def _row_of(name: str) -> str:
+def _row_of(name):
     """The designation under which a bearing's section stands in the table."""
     return _RIBS.sub("NU", name)
 
@@ -122,13 +115,13 @@ def listed(designation: object) -> tuple[str, str] | None:
     return _listed(_written(designation)) if isinstance(designation, str) else None
 
 
-def _written(designation: str) -> str:
+def _written(designation):
     """Without blanks and strokes, makers' names and prefixes."""
     return _PREFIX.sub("", re.sub(r"[\s/.-]", "", designation.upper()), count=1)
 
 
 @lru_cache(maxsize=64)
-def _listed(written: str) -> tuple[str, str] | None:
+def _listed(written):
     ribs = _RIBS.match(written)
     for name in entries() if not re.match(_NO_SUCH, written) else ():
         of_these = name if ribs is None or not name.startswith("NU") else ribs[1] + name[2:]
@@ -146,7 +139,7 @@ def instead(designation: str, sizes: str, of_scene: bool = True) -> str:
     return f"{_advice(written, of_scene)}; for another bearing leave it out and {sizes}"
 
 
-def _advice(written: str, of_scene: bool) -> str:
+def _advice(written, of_scene):
     row, series = _row_of(written), dict[str, list[str]]()
     for name in entries():
         series.setdefault(name[:-2], []).append(name)
@@ -216,7 +209,7 @@ def elements(name: str) -> Elements:
     return min(tried, key=lambda found: abs(dynamic_capacity(found.row) - 1e3 * entry.dynamic))
 
 
-def _rollers(entry: Entry, diameter: float, filled: float) -> Elements:
+def _rollers(entry, diameter, filled):
     """Rollers of a diameter that carry the static rating; without a cage as many as fit."""
     inner = entry.inner if entry.inner is not None else (entry.outer or 0.0) - 2.0 * diameter
     outer = inner + 2.0 * diameter if entry.outer is None else entry.outer
@@ -227,7 +220,7 @@ def _rollers(entry: Entry, diameter: float, filled: float) -> Elements:
     return Elements(number, diameter, round(length, 1), inner, outer)
 
 
-def _balls(entry: Entry) -> Elements:
+def _balls(entry):
     pitch = 0.5 * (entry.bore + entry.outside)
     tried = []
     for number in range(_FEWEST_BALLS, _MOST_BALLS + 1):
@@ -242,15 +235,6 @@ def _balls(entry: Entry) -> Elements:
     step = _FINE if diameter < _SMALL_BALL else _COARSE
     diameter = round(step * round(diameter / step), 3)
     return Elements(number, diameter, entry.width, pitch - diameter, pitch + diameter)
-
-
-def ratings(name: str) -> tuple[float, float]:
-    """C by ISO 281 and C0 by ISO 76 of the estimated elements, N. KeyError: no such bearing."""
-    found = elements(name)
-    if has_balls(name):
-        sizes = found.number, found.diameter, found.row.pitch
-        return ball_dynamic_capacity(*sizes), ball_static_capacity(*sizes)
-    return dynamic_capacity(found.row), static_capacity(found.row)
 
 
 def bearing_keys(name: str, group: str = "CN") -> dict[str, float | int | str]:

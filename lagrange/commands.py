@@ -52,7 +52,7 @@ def leave(code: int) -> NoReturn:
 def entry(main: Callable[[], int] | str) -> Callable[[], None]:
     """The entry point of a command, of which `main`, or "module:function", gives the exit code."""
 
-    def command() -> None:
+    def command():
         gc.set_threshold(MOST_YOUNG)
         hear_termination()
         leave(main() if callable(main) else getattr(import_module(main.partition(":")[0]), main.partition(":")[2])())
@@ -69,7 +69,7 @@ def new_app(name: str, text: str) -> App:
     )  # fmt: skip
 
     @app.command(name="--install-completion", help="install completion of options for this shell: bash, zsh or fish")
-    def _install_completion() -> None:
+    def _install_completion():
         from cyclopts.completion.detect import ShellDetectionError
 
         try:

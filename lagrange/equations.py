@@ -15,6 +15,7 @@ Equation (22) of docs/lagrange.md.
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy import ndarray
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.surface.deviation import Falls, SurfaceDeviation, Turns, profiles
@@ -27,45 +28,45 @@ STRAIGHT = 1e-9  # rad, less than half a turn: rollers on either side of it hold
 class Overlaps:
     """Where the rollers are, how deep they lie in the raceways and where these push; arrays (..., n_rollers)."""
 
-    rho: np.ndarray  # m, and θ, rad, of the rollers about the outer ring's centre
-    theta: np.ndarray
-    cos: np.ndarray  # of θ
-    sin: np.ndarray
-    distance: np.ndarray  # χ, centre of the inner ring to the roller's, m
-    circle: tuple[np.ndarray, np.ndarray]  # ∂χ/∂ρ and ∂χ/(ρ ∂θ)
-    inner: np.ndarray  # with the inner raceway, m
-    outer: np.ndarray  # with the outer one, m
+    rho: ndarray  # m, and θ, rad, of the rollers about the outer ring's centre
+    theta: ndarray
+    cos: ndarray  # of θ
+    sin: ndarray
+    distance: ndarray  # χ, centre of the inner ring to the roller's, m
+    circle: tuple[ndarray, ndarray]  # ∂χ/∂ρ and ∂χ/(ρ ∂θ)
+    inner: ndarray  # with the inner raceway, m
+    outer: ndarray  # with the outer one, m
     surfaces: tuple[SurfaceDeviation, SurfaceDeviation] | tuple[None, None] = (None, None)  # that contacts meet
-    aside: np.ndarray | float = 0.0  # rad, by which the inner surfaces' slopes and moments turn the direction
-    outer_slope: np.ndarray | float = 0.0  # ∂σ/(ρ ∂θ) at the outer raceway
+    aside: ndarray | float = 0.0  # rad, by which the inner surfaces' slopes and moments turn the direction
+    outer_slope: ndarray | float = 0.0  # ∂σ/(ρ ∂θ) at the outer raceway
 
     @property
-    def radial(self) -> np.ndarray:
+    def radial(self) -> ndarray:
         """∂(χ + σ)/∂ρ."""
         return self.circle[0] - self.aside * self.circle[1]
 
     @property
-    def tangential(self) -> np.ndarray:
+    def tangential(self) -> ndarray:
         """∂(χ + σ)/(ρ ∂θ)."""
         return self.circle[1] + self.aside * self.circle[0]
 
     @property
-    def direction_x(self) -> np.ndarray:
+    def direction_x(self) -> ndarray:
         """∂(χ + σ)/∂x: with `direction_y`, of circles the unit vector from the roller to the inner ring's centre."""
         return self.tangential * self.sin - self.radial * self.cos
 
     @property
-    def direction_y(self) -> np.ndarray:
+    def direction_y(self) -> ndarray:
         return -self.tangential * self.cos - self.radial * self.sin
 
     @property
-    def normal(self) -> tuple[np.ndarray, np.ndarray]:
+    def normal(self) -> tuple[ndarray, ndarray]:
         """Unit vector from the inner ring's centre to the roller's, (x, y)."""
         radial, tangential = self.circle
         return radial * self.cos - tangential * self.sin, radial * self.sin + tangential * self.cos
 
     @property
-    def compliances(self) -> tuple[np.ndarray | float, np.ndarray | float]:
+    def compliances(self) -> tuple[ndarray | float, ndarray | float]:
         """Of edges, in series with the inner and the outer contact's law, m/N."""
         inner, outer = (0.0 if surface is None else surface.compliance for surface in self.surfaces)
         return inner, outer
@@ -89,10 +90,6 @@ class Overlaps:
             return self
         one, other = one.at_contact(inner), other.at_contact(outer or Falls())
         return replace(self, surfaces=(one, other), aside=one.slope / self.distance, outer_slope=other.slope / self.rho)
-
-    def at_force(self, inner, outer=0.0) -> "Overlaps":
-        """The same of contacts under forces, N, >= 0: soft edges then have other directions."""
-        return self.at_contact(Falls(compliance=0.5 * inner), Falls(compliance=0.5 * outer))
 
 
 def overlaps(bearing: Bearing, x, y, rho, theta) -> Overlaps:
@@ -120,7 +117,7 @@ def touching_distances(bearing: Bearing) -> tuple[float, float]:
     return (bearing.inner_raceway_radius + bearing.roller_radius, bearing.outer_raceway_radius - bearing.roller_radius)
 
 
-def nothing_carries(bearing: Bearing, angle: np.ndarray, load) -> str | None:
+def nothing_carries(bearing: Bearing, angle: ndarray, load) -> str | None:
     """A sentence where no roller is in the way of a load, (2,), as where those of half a turn are missing.
 
     `angle` : (n_rollers,), rad from +x
@@ -158,7 +155,7 @@ def approaches(bearing: Bearing, inner_x, inner_y, roller_x, roller_y, turns: Tu
     return found if turns is None else found.on_surfaces(bearing, turns)
 
 
-def contact_resultant(state: Overlaps, inner_force) -> tuple[np.ndarray, np.ndarray]:
+def contact_resultant(state: Overlaps, inner_force) -> tuple[ndarray, ndarray]:
     """x and y components of the rollers' normal forces on the inner ring, N, each (...,).
 
     `inner_force` is (..., n_rollers), N, >= 0: from a contact law, or measured.

@@ -7,7 +7,7 @@ without load is not held at all. Along such directions the hub starts without ve
 `sampled` gives the result file's columns that follow from a motion, with those of a cage.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 from math import inf
@@ -17,15 +17,16 @@ import numpy as np
 
 from lagrange import motion
 from lagrange.axial.slices import Axial
+from lagrange.axial.table import TiltedLaw
 from lagrange.bearing import Bearing, Cage, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping
 from lagrange.contact.laws import ContactLaws
 from lagrange.errors import UsageError
 from lagrange.kinematics import kinematics, kinematics_met, roller_angles, turned
 from lagrange.load_history import LONGEST_LOOK, SLOWEST, load_share
-from lagrange.motion import HubTilt, State, TiltedLaws, Tilts, hub_tilt, sliced_laws
+from lagrange.motion import HubTilt, State, Tilts, hub_tilt, sliced_laws
 from lagrange.mounting import OF_HOUSING, ring_place
-from lagrange.statics import Placement, Statics, TiltedStatics, held_hub, static_equilibrium, tilted_equilibrium
+from lagrange.statics import Placement, Statics, held_hub, static_equilibrium, tilted_equilibrium
 from lagrange.surface.deviation import Turns
 
 DIFFERENCE = 1e-6  # s, for the velocities of the moving equilibrium
@@ -97,7 +98,7 @@ def passing(
     return (found, None) if np.linalg.norm(found.rate("hub")) <= JUMP * speed else (None, JUMPS)
 
 
-def places_moving(now: TiltedStatics, found: Passing | None) -> np.ndarray:
+def places_moving(now: Statics, found: Passing | None) -> np.ndarray:
     """Rates of all places, (4 + 2 n_rollers,), by equilibria around a start; None: at rest.
 
     A roller on which little bears may stand at several tilts: where its tilts do not follow each other it has no rate
@@ -111,7 +112,7 @@ def places_moving(now: TiltedStatics, found: Passing | None) -> np.ndarray:
     return rates
 
 
-def tilts_moving(now: TiltedStatics, rates: np.ndarray) -> Tilts:
+def tilts_moving(now: Statics, rates: np.ndarray) -> Tilts:
     """Slopes in an equilibrium and their rates by those of all places, (4 + 2 n_rollers,)."""
     return Tilts(
         tilt=now.tilt, tilt_rate=rates[4 + now.tilt.size :],
@@ -125,11 +126,12 @@ def surface_speed(bearing: Bearing, operation: Operation) -> float:
     return float(max(inner * bearing.inner_raceway_radius, outer * bearing.outer_raceway_radius))
 
 
-def _moving(bearing: Bearing, operation: Operation, ring, hub, rho, rates, tilts: Tilts | None = None) -> State:
-    """A state of hub and radii with their rates, (2,) m/s and more, at the first angles and cage speed."""
+def _moving(bearing, operation, ring, moved, rates, tilts=None):
+    """A state of places of hub, radii and tilts with their rates, (4 + 2 n,), at the first angles and cage speed."""
     theta = roller_angles(bearing, operation.first_roller_angle)
+    radii = slice(4, 4 + theta.size)
     return State(
-        x=hub[0], y=hub[1], rho=rho, theta=theta, x_rate=rates[0], y_rate=rates[1], rho_rate=np.asarray(rates[2:]),
+        x=moved[0], y=moved[1], rho=moved[radii], theta=theta, x_rate=rates[0], y_rate=rates[1], rho_rate=rates[radii],
         theta_rate=np.zeros_like(theta) + kinematics(bearing, *operation.ring_speeds).cage,
         ring_x=ring[0], ring_y=ring[1], tilts=tilts,
     )  # fmt: skip
@@ -137,9 +139,11 @@ def _moving(bearing: Bearing, operation: Operation, ring, hub, rho, rates, tilts
 
 def rest_state(bearing: Bearing, operation: Operation) -> FirstState:
     """Rings centred, contacts undeformed, elements at cage speed."""
-    zero, alone = np.zeros(bearing.n_rollers), replace(operation.mounting, shaft=None)
+    still, alone = np.zeros(4 + 2 * bearing.n_rollers), replace(operation.mounting, shaft=None)
+    centred = still.copy()
+    centred[4 : 4 + bearing.n_rollers] = bearing.pitch_radius
     ring = ring_place(alone, weight_on_springs(bearing, operation), lambda _: np.zeros(2))
-    return FirstState(_moving(bearing, operation, ring, (0.0, 0.0), zero + bearing.pitch_radius, (0.0, 0.0, *zero)))
+    return FirstState(_moving(bearing, operation, ring, centred, still))
 
 
 def equilibrium_state(
@@ -153,62 +157,57 @@ def equilibrium_state(
     """
     first, n = roller_angles(bearing, operation.first_roller_angle), bearing.n_rollers
 
-    def moment(shift: float, place) -> tuple[Operation, dict]:
+    def moment(shift, place):
         angles = first + turned(bearing, operation, shift).cage
         return operation.at(shift), dict(angles=angles, turns=Turns.rolling(bearing, operation, shift), ring=place)
 
-    def plane_at(shift: float, place, start: tuple[float, float] | None = None) -> Statics:
+    def still_at(shift, place, start=None):
         acting, there = moment(shift, place)
-        return static_equilibrium(bearing, acting, laws, start=start, **there)
-
-    def tilted_at(shift: float, place) -> TiltedStatics:
-        (acting, there), plane = moment(shift, place), plane_at(shift, place)
-        placement, start = Placement(there["angles"], place, there["turns"]), (np.array([plane.x, plane.y]), plane.rho)
-        return tilted_equilibrium(bearing, acting, contacts, hub, placement, start)
+        plane = static_equilibrium(bearing, acting, laws, start=start, **there)
+        if axial is None:
+            return plane
+        placement, contacts = Placement(there["angles"], place, there["turns"]), sliced_laws(bearing, axial, laws)
+        return tilted_equilibrium(
+            bearing, acting, contacts, hub_tilt(operation, axial), placement, (plane.hub, plane.rho)
+        )
 
     def force_at(place):
-        still = plane_at(0.0, place) if axial is None else tilted_at(0.0, place)
+        still = still_at(0.0, place)
         return np.array([still.outer_force @ np.cos(first), still.outer_force @ np.sin(first)])
 
-    if axial is not None:
-        hub, contacts = hub_tilt(operation, axial), sliced_laws(bearing, axial, laws)
     ring = ring_place(operation.mounting, weight_on_springs(bearing, operation), force_at)
+    now, rates = still_at(0.0, ring), np.zeros(4 + 2 * n)
+    values, directions = followed(now.radial_stiffness, bearing, operation)
+    warning = SOFT if values.size < 2 and operation.fastest > 0.0 else None
     if axial is not None:
-        now, way = tilted_at(0.0, ring), DIFFERENCE * surface_speed(bearing, operation)
+        way = DIFFERENCE * surface_speed(bearing, operation)
         found, warning = passing(
-            lambda shift: tilted_at(shift, ring), lambda: now.radial_stiffness, bearing, operation, way
+            lambda shift: still_at(shift, ring), lambda: now.radial_stiffness, bearing, operation, way
         )
         rates = places_moving(now, found)
-        moving, tilts = np.concatenate([rates[:2], rates[4 : 4 + n]]), tilts_moving(now, rates)
-        return FirstState(_moving(bearing, operation, ring, now.place, now.rho, moving, tilts), warning)
-    still = plane_at(0.0, ring)
-    place, (values, directions) = (still.x, still.y), followed(still.stiffness, bearing, operation)
+        return FirstState(_moving(bearing, operation, ring, now.moved, rates, tilts_moving(now, rates)), warning)
 
-    def equilibrium_at(shift: float) -> np.ndarray:
-        there = plane_at(shift, ring, place)
-        return np.array([there.x, there.y, *there.rho])
-
-    def held_at(shift: float, velocity) -> tuple[np.ndarray, np.ndarray]:
-        (acting, there), at = moment(shift, ring), np.array(place) + shift * velocity
+    def held_at(shift, velocity):
+        (acting, there), at = moment(shift, ring), now.hub + shift * velocity
         force, rho, _ = held_hub(bearing, acting, laws, at, **there)
-        return force, np.array([*at, *rho])
+        return force, np.concatenate([at, now.place[2:], rho, now.tilt])
 
-    def rates_by(shift: float) -> np.ndarray:
+    def rates_by(shift):
         if values.size == 2:
-            return (equilibrium_at(shift) - equilibrium_at(-shift)) / (2.0 * shift)
+            return (still_at(shift, ring, now.hub).moved - still_at(-shift, ring, now.hub).moved) / (2.0 * shift)
         # not by equilibria, which may lie far from each other here
         change = (held_at(shift, np.zeros(2))[0] - held_at(-shift, np.zeros(2))[0]) / (2.0 * shift)
         velocity = -directions @ ((directions.T @ change) / values)
         return (held_at(shift, velocity)[1] - held_at(-shift, velocity)[1]) / (2.0 * shift)
 
-    rates, warning = rates_by(DIFFERENCE), SOFT if values.size < 2 and operation.fastest > 0.0 else None
+    rates = rates_by(DIFFERENCE)
     largest = np.abs(rates).max()
     too_fast = operation.history is None and np.hypot(*rates[:2]) > JUMP * surface_speed(bearing, operation)
     if 2.0 * DIFFERENCE * largest > NO_MOVE and (
         too_fast or np.abs(rates_by(0.5 * DIFFERENCE) - rates).max() > SAME * largest  # they do not converge
     ):
         rates, warning = np.zeros_like(rates), JUMPS
-    return FirstState(_moving(bearing, operation, ring, place, still.rho, rates), warning)
+    return FirstState(_moving(bearing, operation, ring, now.moved, rates), warning)
 
 
 def weight_on_springs(bearing: Bearing, operation: Operation) -> float:
@@ -253,7 +252,7 @@ class Problem:
             )
 
     @cached_property
-    def contacts(self) -> ContactLaws | TiltedLaws:
+    def contacts(self) -> Sequence[TiltedLaw]:
         """Laws of the contacts, of slices where rollers tilt."""
         return self.laws if self.axial is None else sliced_laws(self.bearing, self.axial, self.laws)
 
@@ -292,24 +291,25 @@ def sampled(problem: Problem, time: np.ndarray, state: State) -> dict[str, np.nd
     time : (n_times,), s; of a free cage 0 alone, where it is concentric and turns with the elements
     """
     bearing, operation, hub, tilts = problem.bearing, problem.operation, problem.hub_tilt, state.tilts
-    zero, per_roller, mounting = np.zeros(time.size), np.zeros(state.rho.shape), operation.mounting
+    zero, per_roller, mounting, cage = np.zeros(time.size), np.zeros(state.rho.shape), operation.mounting, problem.cage
     touch = motion.contact_state(bearing, problem.contacts, state, problem.damping)
     left = motion.hub_equations(problem.acting(time), state, touch, 0.0, 0.0)
-    x, y = zero + state.x + state.ring_x, zero + state.y + state.ring_y  # in the fixed frame
+    ring_x, ring_y = zero + state.ring_x, zero + state.ring_y
+    x, y = ring_x + state.x, ring_y + state.y  # in the fixed frame
     kinetic = motion.kinetic_energy(bearing, operation, state, hub)
     found = dict(
         time=time,
         inner_x=x, inner_y=y, inner_ax=-left[0] / operation.inner_mass, inner_ay=-left[1] / operation.inner_mass,
         inner_vx=zero + state.x_rate + state.ring_x_rate, inner_vy=zero + state.y_rate + state.ring_y_rate,
-        roller_x=np.reshape(state.ring_x, (-1, 1)) + state.rho * np.cos(state.theta),
-        roller_y=np.reshape(state.ring_y, (-1, 1)) + state.rho * np.sin(state.theta),
+        roller_x=ring_x[:, None] + state.rho * np.cos(state.theta),
+        roller_y=ring_y[:, None] + state.rho * np.sin(state.theta),
         roller_rho=state.rho, roller_theta=state.theta, inner_force=touch.inner_force, outer_force=touch.outer_force,
         inner_damping_force=per_roller + touch.inner_damper, outer_damping_force=per_roller + touch.outer_damper,
         energy_kinetic=kinetic + motion.rotation_energy(bearing, operation.at(time)),
-        energy_contact=motion.contact_energy(problem.laws, touch),
+        energy_contact=np.sum(touch.energy, axis=-1),
     )  # fmt: skip
     if hub is not None and tilts is not None and touch.tilted is not None:
-        off = (np.asarray(tilts.slope_x) - hub.slope_x) ** 2 + (np.asarray(tilts.slope_y) - hub.slope_y) ** 2
+        off = np.square(tilts.slope_x - hub.slope_x) + np.square(tilts.slope_y - hub.slope_y)
         found["energy_contact"] = found["energy_contact"] + 0.5 * hub.stiffness * off  # of the shaft against tilt
         found |= dict(
             roller_tilt=tilts.tilt, roller_skew=per_roller, inner_moment=touch.tilted.inner_moment,
@@ -323,18 +323,15 @@ def sampled(problem: Problem, time: np.ndarray, state: State) -> dict[str, np.nd
     if mounting.shaft is not None:
         found["energy_shaft"] = 0.5 * mounting.shaft.stiffness * (x**2 + y**2)
     if mounting.housing is not None:
-        found |= dict(zip(OF_HOUSING[:4], (zero + state.ring_x, zero + state.ring_y, *ring), strict=True))
-        found["energy_support"] = 0.5 * mounting.housing.stiffness * (found["housing_x"] ** 2 + found["housing_y"] ** 2)
+        found |= dict(zip(OF_HOUSING[:4], (ring_x, ring_y, *ring), strict=True))
+        found["energy_support"] = 0.5 * mounting.housing.stiffness * (ring_x**2 + ring_y**2)
     if mounting.sensor is not None:
         found["sensor_ay"] = zero
-    cage = problem.cage
     if cage is None:
         return found
     still = "angle", "guidance_x", "guidance_y", "work_dashpots", "work_friction", "work_drag"
-    found |= {f"cage_{name}": zero for name in still} | dict(
-        cage_x=zero + state.ring_x, cage_y=zero + state.ring_y, cage_speed=zero + state.theta_rate[:, 0],
-        cage_moment=per_roller,
-    )  # fmt: skip
+    found |= {f"cage_{name}": zero for name in still}
+    found |= dict(cage_x=ring_x, cage_y=ring_y, cage_speed=zero + state.theta_rate[:, 0], cage_moment=per_roller)
     if problem.free_cage is None:  # what holds the elements at the angles of kinematics pushes them along θ
         history = operation.history  # that of the run's start: it says how the cage speeds up
         gain = 0.0 if history is None else kinematics(bearing, *history.ring_speeds(time[:, None], 1)).cage
@@ -350,12 +347,12 @@ def sampled(problem: Problem, time: np.ndarray, state: State) -> dict[str, np.nd
     found["energy_kinetic"] = found["energy_kinetic"] + 0.5 * cage.inertia * found["cage_speed"] ** 2 + moving
     stored = np.sum(depth**2, axis=1)
     if cage.guidance == "inner_ring" and cage.guidance_clearance is not None:
-        away = np.hypot(state.x, state.y)
-        deep = np.maximum(away - 0.5 * cage.guidance_clearance, 0.0)
-        for axis, place in (("x", state.x), ("y", state.y)):
-            push = cage.stiffness * deep * place / np.where(away > 0.0, away, 1.0)  # towards the hub's centre
-            found[f"cage_guidance_{axis}"] = push
-            found[f"inner_a{axis}"] = found[f"inner_a{axis}"] - push / operation.inner_mass
+        away = state.x + 1j * state.y
+        deep = np.maximum(np.abs(away) - 0.5 * cage.guidance_clearance, 0.0)
+        push = cage.stiffness * deep * away / np.where(deep > 0.0, np.abs(away), 1.0)  # towards the hub's centre
+        found |= dict(cage_guidance_x=push.real, cage_guidance_y=push.imag)
+        found["inner_ax"] = found["inner_ax"] - push.real / operation.inner_mass
+        found["inner_ay"] = found["inner_ay"] - push.imag / operation.inner_mass
         stored = stored + deep**2
     found["energy_contact"] = found["energy_contact"] + 0.5 * cage.stiffness * stored
     return found

@@ -51,7 +51,7 @@ def spinning_growth(radius: float, held_radius: float, material: Material, speed
     return float(a * radius + b / radius + cubic * radius**3)
 
 
-def _carried_growth(radius: float, held_radius: float, material: Material, speed: float) -> float:
+def _carried_growth(radius, held_radius, material, speed):
     """`spinning_growth` with (λ+2μ)(u'' + u'/r − u/r²) = −ρω²(r + u): r + u is a combination of J₁(kr) and Y₁(kr)."""
     from scipy.special import j0, j1, y0, y1  # takes its time to load, and most bodies are slow
 
@@ -180,24 +180,23 @@ class OperatingClearance:
 
     def rows(self) -> list[tuple[str, str, str]]:
         """For people: what it is, µm, and what else is known of it."""
-        fits = [
-            f"in operation {_microns(gap):.4g} µm of interference, {1e-6 * pressure:.3g} MPa"
-            if pressure > 0.0
-            else f"in operation loose by {_microns(-gap):.4g} µm" * (gap < 0.0)
-            for gap, pressure in (
-                (self.shaft_interference, self.shaft_pressure),
-                (self.housing_interference, self.housing_pressure),
-            )
-        ]
+
+        def fit(gap, pressure):
+            if pressure > 0.0:
+                return f"in operation {_microns(gap):.4g} µm of interference, {1e-6 * pressure:.3g} MPa"
+            return f"in operation loose by {_microns(-gap):.4g} µm" if gap < 0.0 else ""
+
+        shaft = fit(self.shaft_interference, self.shaft_pressure)
+        housing = fit(self.housing_interference, self.housing_pressure)
         thumb = f"rule of thumb α ΔT (F + E)/2: {_microns(self.rule_of_thumb):+.3f} µm" if self.rule_of_thumb else ""
         thin = f"ring held by nothing, 2ρR³ω²/E: {_microns(self.thin_ring):+.3f} µm" if self.thin_ring else ""
         names = "unmounted", "fit on the shaft", "fit in the housing", "temperatures", "spin", "lubricant's films"
         values = (f"{_microns(value):{'+' if k else ''}.3f}" for k, value in enumerate(self.parts.values()))
-        rows = zip(names, values, ("", *fits, thumb, thin, ""), strict=True)
+        rows = zip(names, values, ("", shaft, housing, thumb, thin, ""), strict=True)
         return [*rows, ("in operation", f"{_microns(self.total):.3f}", "")]
 
 
-def _microns(value: float) -> float:
+def _microns(value):
     """Of m, rounded; 0 has no sign."""
     return round(1e6 * value, 3) + 0.0
 
@@ -229,14 +228,13 @@ def operating_clearance(bearing: Bearing, fit: Fit, speed: float, roller_growth:
     grown[1:] += [swell_in * raceway, swell_out * far, fit.roller_expansion * (fit.rollers_C - REFERENCE_C) * roller]
     grown[2] += [inner.spun(raceway, speed), 0.0, 2.0 * roller_growth]
     gained = np.array([-1.0, 1.0, -2.0])  # of clearance, by growth
-    at_work, in_all = [float(value) for value in spinning], [float(value) for value in grown[2]]
     return OperatingClearance(
-        given=2.0 * bearing.radial_clearance, shaft_fit=-float(grown[0, 0]), housing_fit=float(grown[0, 1]),
-        temperature=float(gained @ (grown[1] - grown[0])), speed=float(gained @ (grown[2] - grown[1])), film=0.0,
+        given=2.0 * bearing.radial_clearance, shaft_fit=-grown[0, 0], housing_fit=grown[0, 1],
+        temperature=gained @ (grown[1] - grown[0]), speed=gained @ (grown[2] - grown[1]), film=0.0,
         rule_of_thumb=-fit.ring_expansion * (fit.inner_ring_C - fit.outer_ring_C) * 0.5 * (raceway + far),
         thin_ring=-inner.material.density * speed**2 * raceway**3 / (4.0 * inner.material.youngs_modulus),
-        shaft_interference=at_work[0], housing_interference=at_work[1],
-        shaft_pressure=pressures[2][0], housing_pressure=pressures[2][1], grown=(in_all[0], in_all[1], in_all[2]),
+        shaft_interference=spinning[0], housing_interference=spinning[1],
+        shaft_pressure=pressures[2][0], housing_pressure=pressures[2][1], grown=tuple(grown[2].tolist()),
     )  # fmt: skip
 
 

@@ -3,7 +3,7 @@
 Equation (2) of docs/operation.md.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
@@ -89,11 +89,8 @@ def mean_kinematics(bearing: Bearing, operation: Operation, time: float) -> Kine
 
 def turned(bearing: Bearing, operation: Operation, time) -> Kinematics:
     """How far rings, cage and rollers have turned since t = 0 by rolling without slip, rad; `time` in s, any shape."""
-    if operation.history is not None:
-        return kinematics(bearing, *operation.history.ring_turns(time))
-    ideal = kinematics(bearing, *operation.ring_speeds)
-    way = {name: getattr(ideal, name) * time for name in ("shaft", "cage", "roller", "outer_ring")}
-    return replace(ideal, **way)
+    history, (inner, outer) = operation.history, operation.ring_speeds
+    return kinematics(bearing, *((inner * time, outer * time) if history is None else history.ring_turns(time)))
 
 
 def roller_angles(bearing: Bearing, first_roller_angle: float) -> np.ndarray:

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from lagrange.errors import exceeds
-from lagrange.files.tables import columns
+from lagrange.files.tables import rising
 
 if TYPE_CHECKING:
     from scipy.interpolate import PPoly
@@ -166,17 +165,10 @@ def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = 
 
     Headers may name other units, those of UNITS. ValueError, a sentence on the text.
     """
-    found = columns(text, (TIME, *names), decimal, UNITS)
-    time, values, steps = found[:, 0], found[:, 1:], np.diff(found[:, 0])
-    if len(found) < FEWEST_POINTS:
-        raise ValueError(f"it holds {len(found)} rows; at least {FEWEST_POINTS} are needed")
-    if not np.all(np.isfinite(found)):
-        raise ValueError(f"row {1 + int(np.argmin(np.isfinite(found).all(axis=1)))} holds a value that is not finite")
+    found = rising(text, (TIME, *names), decimal, FEWEST_POINTS, step=SHORTEST, units=UNITS)
+    time, values = found[:, 0], found[:, 1:]
     if np.abs(time).max() > LATEST:
         raise ValueError(f"{TIME} = {time[np.argmax(np.abs(time))]:g}: at most {LATEST:g} either way; in milliseconds?")
-    if np.any(short := exceeds(SHORTEST, steps)):
-        before, after = time[np.argmax(short) :][:2]
-        raise ValueError(f"{TIME} must rise by at least {SHORTEST:g} from row to row: after {before:g} comes {after:g}")
     if np.abs(values).max() > largest:
         row, k = np.unravel_index(np.argmax(np.abs(values)), values.shape)
         raise ValueError(f"{names[k]} = {values[row, k]:g} at {time[row]:g} ms; at most {largest:g} either way")

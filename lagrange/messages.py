@@ -6,9 +6,9 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from math import pi, tau
 from threading import Timer
+from typing import NamedTuple
 
 G = 9.80665  # m/s², standard gravity
 ENGINEERING = {  # by the SI unit: the factor, and the unit that numbers printed for people have; others stay
@@ -39,7 +39,7 @@ def shown(text: object) -> str:
     return "\n".join(_line(line) for line in lines)
 
 
-def _line(line: str) -> str:
+def _line(line):
     if len(line) > LONGEST_LINE:
         line = f"{line[: LONGEST_LINE - ENDING]} … {line[-ENDING:]}"
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in line)
@@ -87,8 +87,7 @@ def close_output() -> None:
 # Findings of a command, declared once: tables that its page and the terminal show
 
 
-@dataclass(frozen=True, kw_only=True)
-class Section:
+class Section(NamedTuple):
     """A table of texts; names stand at the left, numbers at the right."""
 
     columns: Sequence[str]

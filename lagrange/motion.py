@@ -15,36 +15,31 @@ Source: of tilts Lagrange's equations of T = ½ I_t |ȧ|² − ½ I_a w (a_x ȧ_
 tests derive them by computer algebra. Equation (1) of docs/tilted_motion.md.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy import ndarray
 
 from lagrange.axial.slices import Axial, alone, contact_slices
 from lagrange.axial.table import TiltedContact, TiltedLaw, in_series
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force, tilted_damper
-from lagrange.contact.laws import ContactLaws, softened
+from lagrange.contact.laws import ContactLaws
 from lagrange.equations import Overlaps, contact_resultant, error_forces, overlaps
 from lagrange.kinematics import kinematics
 from lagrange.surface.deviation import UNTURNED, Falls, SurfaceDeviation, Turns
 
-Numbers = np.ndarray | float  # of many instants or of one
-
-
-class TiltedLaws(NamedTuple):
-    """Contacts of a roller with either raceway."""
-
-    inner: TiltedLaw
-    outer: TiltedLaw
+Numbers = ndarray | float  # of many instants or of one
 
 
 @dataclass(frozen=True, kw_only=True)
 class Tilts:
     """Slopes of the bodies' axes and their rates; rad, rad/s."""
 
-    tilt: np.ndarray  # (..., n_rollers), τ
-    tilt_rate: np.ndarray
+    tilt: ndarray  # (..., n_rollers), τ
+    tilt_rate: ndarray
     slope_x: Numbers  # (...,), of the hub, b
     slope_y: Numbers
     slope_x_rate: Numbers = 0.0
@@ -65,7 +60,7 @@ class HubTilt:
     stiffness: float = 0.0  # N m/rad
 
     @property
-    def slope(self) -> np.ndarray:
+    def slope(self) -> ndarray:
         return np.array([self.slope_x, self.slope_y])
 
     @property
@@ -79,9 +74,9 @@ def hub_tilt(operation: Operation, axial: Axial) -> HubTilt:
     return HubTilt(slope_x=0.0, slope_y=-operation.misalignment, inertia=inertia, stiffness=stiffness)
 
 
-def sliced_laws(bearing: Bearing, axial: Axial, laws: ContactLaws) -> TiltedLaws:
+def sliced_laws(bearing: Bearing, axial: Axial, laws: ContactLaws) -> tuple[TiltedLaw, ...]:
     """Contacts by slices that stand alone, each with its share of the whole length's law."""
-    return TiltedLaws(*map(alone, contact_slices(bearing, axial, laws)))
+    return tuple(map(alone, contact_slices(bearing, axial, laws)))
 
 
 def roller_inertias(bearing: Bearing) -> tuple[float, float]:
@@ -100,9 +95,9 @@ def hub_axial_inertia(bearing: Bearing, operation: Operation) -> float:
 class Misalignments(NamedTuple):
     """How contacts are misaligned: ψ, rad, and the inner slopes' part across the normal, u·t, rad; (..., n_rollers)."""
 
-    inner: np.ndarray
-    outer: np.ndarray
-    across: np.ndarray
+    inner: ndarray
+    outer: ndarray
+    across: ndarray
 
 
 def misalignments(found: Overlaps, tilts: Tilts) -> Misalignments:
@@ -130,28 +125,26 @@ def falls(of: TiltedContact, surface: SurfaceDeviation | None) -> Falls:
     return Falls(over * of.part, over * of.edges, over * of.part_edges)
 
 
-@dataclass(frozen=True, kw_only=True)
-class TiltedContacts:
+class TiltedContacts(NamedTuple):
     """What tilted contacts have beside their forces; arrays (..., n_rollers)."""
 
-    inner_moment: np.ndarray  # M, N m
-    outer_moment: np.ndarray
-    normal: tuple[np.ndarray, np.ndarray]  # of the inner contact, along e_r and e_t, as M acts on slopes
-    energy: Numbers = 0.0  # J, of both contacts of a roller
+    inner_moment: ndarray  # M, N m
+    outer_moment: ndarray
+    normal: tuple[ndarray, ndarray]  # of the inner contact, along e_r and e_t, as M acts on slopes
     dampers: tuple[Numbers, Numbers] = (0.0, 0.0)  # N m, the dampers' part of both moments
     lost: Numbers = 0.0  # W, in these
 
     @property
-    def outwards(self) -> np.ndarray:
+    def outwards(self) -> ndarray:
         """Moment of both contacts that tilts a roller outwards, N m."""
         return self.inner_moment * self.normal[0] - self.outer_moment
 
     @property
-    def backwards(self) -> np.ndarray:
+    def backwards(self) -> ndarray:
         """Moment of both contacts that skews a roller backwards, N m."""
         return -self.inner_moment * self.normal[1]
 
-    def on_hub(self, cos, sin) -> tuple[np.ndarray, np.ndarray]:
+    def on_hub(self, cos, sin) -> tuple[ndarray, ndarray]:
         """Moment of the inner contacts on the hub's slope, along x and y, (...,), N m; angles of the rollers."""
         out, around = (-self.inner_moment * each for each in self.normal)
         return np.sum(out * cos - around * sin, axis=-1), np.sum(out * sin + around * cos, axis=-1)
@@ -163,12 +156,12 @@ class State:
 
     x: Numbers  # (...,), centre of the inner ring
     y: Numbers
-    rho: np.ndarray  # (..., n_rollers), polar coordinates of the rolling elements' centres
-    theta: np.ndarray
+    rho: ndarray  # (..., n_rollers), polar coordinates of the rolling elements' centres
+    theta: ndarray
     x_rate: Numbers
     y_rate: Numbers
-    rho_rate: np.ndarray
-    theta_rate: np.ndarray
+    rho_rate: ndarray
+    theta_rate: ndarray
     # (...,), where the outer ring's centre is, from which the other places are, and how fast a housing moves it
     ring_x: Numbers = 0.0
     ring_y: Numbers = 0.0
@@ -182,10 +175,11 @@ class State:
 class ContactState(Overlaps):
     """Geometry and forces of the contacts in a state, each (..., n_rollers); overlaps are δ_in (26) and δ_out (27)."""
 
-    inner_force: np.ndarray  # N, >= 0, 0 outside the load zone: (24), (25)
-    outer_force: np.ndarray
-    inner_closing: np.ndarray  # m/s, rates of the overlaps, as bodies move and surfaces pass
-    outer_closing: np.ndarray
+    inner_force: ndarray  # N, >= 0, 0 outside the load zone: (24), (25)
+    outer_force: ndarray
+    inner_closing: ndarray  # m/s, rates of the overlaps, as bodies move and surfaces pass
+    outer_closing: ndarray
+    energy: ndarray  # J, of both contacts of a roller, ∫ Q dδ: (17)
     inner_passing: Numbers = 0.0  # m/s, the part of them by ring and rollers that turn on under the contact
     outer_passing: Numbers = 0.0
     inner_damper: Numbers = 0.0  # N, the dampers' part of the forces
@@ -196,14 +190,14 @@ class ContactState(Overlaps):
 class StatedDampers(NamedTuple):
     """Dampers of contacts that have been found before, in place of those that rates give; (..., n_rollers)."""
 
-    inner_force: np.ndarray  # N, at least as much as lets springs push
-    outer_force: np.ndarray
+    inner_force: ndarray  # N, at least as much as lets springs push
+    outer_force: ndarray
     inner_moment: Numbers = 0.0  # N m, of contacts that tilt
     outer_moment: Numbers = 0.0
 
 
 def contact_state(
-    bearing: Bearing, laws: ContactLaws | TiltedLaws, state: State, damping: ContactDamping | StatedDampers = UNDAMPED
+    bearing: Bearing, laws: Sequence[TiltedLaw], state: State, damping: ContactDamping | StatedDampers = UNDAMPED
 ) -> ContactState:
     """Geometry and forces of every contact.
 
@@ -217,19 +211,11 @@ def contact_state(
     """
     turns, tilts = state.turns, state.tilts
     found = overlaps(bearing, state.x, state.y, state.rho, state.theta).on_surfaces(bearing, turns)
+    at = None if tilts is None else misalignments(found, tilts)
     # of inner and outer contacts
-    depth, own, springs, forces = (found.inner, found.outer), [], [], []
-    if isinstance(laws, TiltedLaws):
-        if tilts is None:
-            raise ValueError("contacts of tilted rollers ask for a state with tilts")
-        at = misalignments(found, tilts)
-        springs = [met(*each) for each in zip(laws, depth, at[:2], found.surfaces, strict=True)]
-        forces = [here.force for here in springs]
-        found = found.at_contact(*map(falls, springs, found.surfaces))
-    else:
-        own = [softened(*each) for each in zip(laws, found.compliances, strict=True)]
-        forces = [law.force(deep) for law, deep in zip(own, depth, strict=True)]
-        found = found.at_force(*forces)
+    slopes = (0.0, 0.0) if at is None else at[:2]
+    springs = list(map(met, laws, (found.inner, found.outer), slopes, found.surfaces))
+    found = found.at_contact(*map(falls, springs, found.surfaces))
     vx, vy = np.asarray(state.x_rate)[..., None], np.asarray(state.y_rate)[..., None]
     out = state.rho_rate - (vx * found.cos + vy * found.sin)  # the rollers' velocity from the hub's, along e_r and e_t
     around = state.rho * state.theta_rate - (vy * found.cos - vx * found.sin)
@@ -244,34 +230,31 @@ def contact_state(
     moments: Any = 0.0, 0.0
     turning: Any = 0.0, 0.0  # rates of misalignments ψ, rad/s
     if isinstance(damping, StatedDampers):
-        dampers = [damper_force(force, given, 1.0) for force, given in zip(forces, damping, strict=False)]
-    elif damping.acts and tilts is not None and springs:
-        bx, by = np.asarray(tilts.slope_x_rate)[..., None], np.asarray(tilts.slope_y_rate)[..., None]
-        (radial, tangential), outwards = found.circle, tilts.tilt_rate - (bx * found.cos + by * found.sin)
-        skewing = state.theta_rate * tilts.tilt - (by * found.cos - bx * found.sin)
-        passed = (around * radial - out * tangential) / found.distance
-        turning = outwards * radial + skewing * tangential + at.across * passed, -tilts.tilt_rate
+        dampers = [damper_force(here.force, given, 1.0) for here, given in zip(springs, damping, strict=False)]
+    elif damping.acts:
+        if tilts is not None and at is not None:
+            bx, by = np.asarray(tilts.slope_x_rate)[..., None], np.asarray(tilts.slope_y_rate)[..., None]
+            (radial, tangential), outwards = found.circle, tilts.tilt_rate - (bx * found.cos + by * found.sin)
+            skewing = state.theta_rate * tilts.tilt - (by * found.cos - bx * found.sin)
+            passed = (around * radial - out * tangential) / found.distance
+            turning = outwards * radial + skewing * tangential + at.across * passed, -tilts.tilt_rate
         tilting = zip(springs, closing, turning, strict=True)
         both = [tilted_damper(here, damping, rate, turn, bearing.roller_length) for here, rate, turn in tilting]
         dampers, moments = zip(*both, strict=True)
-    elif damping.acts:
-        each = zip(forces, closing, own, depth, strict=True)
-        dampers = [damper_force(q, rate, damping.coefficient(q, law.slope(deep))) for q, rate, law, deep in each]
-    inner_force, outer_force = (force + damper for force, damper in zip(forces, dampers, strict=True))
+    inner_force, outer_force = (here.force + damper for here, damper in zip(springs, dampers, strict=True))
     tilted = None
-    if springs:
+    if at is not None:
         if isinstance(damping, StatedDampers):  # without a force there is no moment
             stated = zip((inner_force, outer_force), damping[2:], springs, strict=True)
             moments = [np.where(force > 0.0, given, -here.moment) for force, given, here in stated]
         tilted = TiltedContacts(
             inner_moment=springs[0].moment + moments[0], outer_moment=springs[1].moment + moments[1],
-            normal=found.circle, energy=springs[0].energy + springs[1].energy, dampers=tuple(moments),
-            lost=-(moments[0] * turning[0] + moments[1] * turning[1]),
+            normal=found.circle, dampers=tuple(moments), lost=-(moments[0] * turning[0] + moments[1] * turning[1]),
         )  # fmt: skip
         push, closed = tilted.inner_moment * at.across / found.distance, inner_force > 0.0
         found = replace(found, aside=found.aside + np.where(closed, push / np.where(closed, inner_force, 1.0), 0.0))
     return ContactState(
-        **vars(found), inner_force=inner_force, outer_force=outer_force,
+        **vars(found), inner_force=inner_force, outer_force=outer_force, energy=springs[0].energy + springs[1].energy,
         inner_closing=closing[0], outer_closing=closing[1], inner_passing=passing[0], outer_passing=passing[1],
         inner_damper=dampers[0], outer_damper=dampers[1], tilted=tilted,
     )  # fmt: skip
@@ -279,7 +262,7 @@ def contact_state(
 
 def radial_equations(
     bearing: Bearing, operation: Operation, state: State, contacts: ContactState, rho_acceleration
-) -> np.ndarray:
+) -> ndarray:
     """Left sides of (21), N, (..., n_rollers): m ρ̈ − m ρ θ̇² + m g sin θ − Q_in ∂χ/∂ρ + Q_out."""
     m = bearing.roller_mass
     inertia = m * (rho_acceleration - state.rho * state.theta_rate**2 + operation.gravity * contacts.sin)
@@ -288,7 +271,7 @@ def radial_equations(
 
 def angular_equations(
     bearing: Bearing, operation: Operation, state: State, contacts: ContactState, theta_acceleration
-) -> np.ndarray:
+) -> ndarray:
     """Left sides of the θ equations, N m, (..., n_rollers): the moment a cage must give; 0 for a free element.
 
     m ρ² θ̈ + 2 m ρ ρ̇ θ̇ + m g ρ cos θ − Q_in ρ (x sin θ − y cos θ)/χ, on perfect surfaces; else the slopes' parts too.
@@ -305,19 +288,21 @@ def hub_equations(operation: Operation, state: State, contacts: ContactState, x_
     Accelerations are those in the fixed frame.
     The operation's loads may be of the same shape: `Operation.at`. A shaft's springs and dashpots act beside the load.
     """
-    shaft, held = operation.mounting.shaft, (0.0, 0.0)
-    if shaft is not None:
-        held = (
-            shaft.force(state.x + state.ring_x, state.x_rate + state.ring_x_rate),
-            shaft.force(state.y + state.ring_y, state.y_rate + state.ring_y_rate),
-        )
+    shaft, (place, rate) = operation.mounting.shaft, _ring(state)
+    place, rate = place + state.x + 1j * state.y, rate + state.x_rate + 1j * state.y_rate
+    held = 0j if shaft is None else shaft.force(place, rate)
     pushed = contact_resultant(contacts, contacts.inner_force)
-    return error_forces(operation, x_acceleration, y_acceleration, *pushed, held)
+    return error_forces(operation, x_acceleration, y_acceleration, *pushed, (held.real, held.imag))
+
+
+def _ring(state):
+    """Place, m, and velocity, m/s, of the outer ring as x + iy, (...,)."""
+    return state.ring_x + 1j * state.ring_y, state.ring_x_rate + 1j * state.ring_y_rate
 
 
 def tilt_equations(
     bearing: Bearing, operation: Operation, state: Any, contacts: Any, tilt_acc, theta_acc
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[ndarray, ndarray]:
     """Left sides of the equations of tilt and of skew, N m, (..., n_rollers): moments that something else must give.
 
     tilt: I_t (τ̈ − θ̇²τ) + I_a w θ̇τ − M_in n·e_r + M_out
@@ -351,12 +336,11 @@ def housing_accelerations(bearing: Bearing, operation: Operation, state: State, 
     housing = operation.mounting.housing
     if housing is None:
         return 0.0, 0.0
-    mass = housing.mass + bearing.outer_ring_mass
-    x = np.sum(contacts.outer_force * (contacts.cos + contacts.outer_slope * contacts.sin), axis=-1)
-    y = np.sum(contacts.outer_force * (contacts.sin - contacts.outer_slope * contacts.cos), axis=-1)
-    held_x = housing.stiffness * state.ring_x + housing.damping * state.ring_x_rate
-    held_y = housing.stiffness * state.ring_y + housing.damping * state.ring_y_rate
-    return (x - held_x) / mass, (y - held_y) / mass - operation.gravity
+    (place, rate), outwards = _ring(state), contacts.cos + 1j * contacts.sin
+    pushed = np.sum(contacts.outer_force * (1.0 - 1j * contacts.outer_slope) * outwards, axis=-1)
+    held = housing.stiffness * place + housing.damping * rate
+    found = (pushed - held) / (housing.mass + bearing.outer_ring_mass)
+    return found.real, found.imag - operation.gravity
 
 
 def accelerations(
@@ -377,29 +361,23 @@ def accelerations(
     return -error_x / hub, -error_y / hub, -radial / m, -angular / (m * state.rho**2)
 
 
-def kinetic_energy(bearing: Bearing, operation: Operation, state: State, hub: HubTilt | None = None) -> np.ndarray:
+def kinetic_energy(bearing: Bearing, operation: Operation, state: State, hub: HubTilt | None = None) -> ndarray:
     """T of the translations, J, (...,): ½ M (ẋ² + ẏ²) + Σ ½ m (ρ̇² + ρ² θ̇²), and of tilts. Source: (2), (14).
 
     In a housing that moves hub and elements move with it, and it has its own with the outer ring. Of rollers that tilt
     ½ I_t |ȧ|², and of the `hub` ½ I_h |ḃ|².
     """
-    m, M, t = bearing.roller_mass, operation.inner_mass, state.tilts
-    around = state.rho * state.theta_rate
-    moving = np.asarray(state.x_rate) ** 2 + np.asarray(state.y_rate) ** 2
-    found = 0.5 * (M * moving + m * np.sum(state.rho_rate**2 + around**2, axis=-1))
-    housing = operation.mounting.housing
+    t, housing, ring = state.tilts, operation.mounting.housing, np.asarray(_ring(state)[1])
+    rollers = (state.rho_rate + 1j * state.rho * state.theta_rate) * np.exp(1j * state.theta) + ring[..., None]
+    found = 0.5 * operation.inner_mass * np.abs(state.x_rate + 1j * state.y_rate + ring) ** 2
+    found = found + 0.5 * bearing.roller_mass * np.sum(np.abs(rollers) ** 2, axis=-1)
     if housing is not None:
-        x, y = np.asarray(state.ring_x_rate), np.asarray(state.ring_y_rate)
-        cos, sin = np.cos(state.theta), np.sin(state.theta)
-        along_x = m * np.sum(state.rho_rate * cos - around * sin, axis=-1) + M * state.x_rate
-        along_y = m * np.sum(state.rho_rate * sin + around * cos, axis=-1) + M * state.y_rate
-        whole = M + bearing.n_rollers * m + (housing.mass + bearing.outer_ring_mass)
-        found = found + along_x * x + along_y * y + 0.5 * whole * (x**2 + y**2)
+        found = found + 0.5 * (housing.mass + bearing.outer_ring_mass) * np.abs(ring) ** 2
     if hub is None or t is None:
         return found
-    rollers = 0.5 * roller_inertias(bearing)[0] * np.sum(t.tilt_rate**2 + (state.theta_rate * t.tilt) ** 2, axis=-1)
-    slope = np.asarray(t.slope_x_rate) ** 2 + np.asarray(t.slope_y_rate) ** 2
-    return found + (rollers + 0.5 * hub.inertia * slope)
+    turning = np.sum(t.tilt_rate**2 + (state.theta_rate * t.tilt) ** 2, axis=-1)
+    slope = np.square(t.slope_x_rate) + np.square(t.slope_y_rate)
+    return found + 0.5 * (roller_inertias(bearing)[0] * turning + hub.inertia * slope)
 
 
 def rotation_energy(bearing: Bearing, operation: Operation):
@@ -414,11 +392,3 @@ def rotation_energy(bearing: Bearing, operation: Operation):
     hub = hub_axial_inertia(bearing, operation)
     inside = 0.5 * (hub * turning.shaft**2 + bearing.n_rollers * element * turning.roller**2)
     return inside + 0.5 * outer * turning.outer_ring**2
-
-
-def contact_energy(laws: ContactLaws, contacts: ContactState) -> np.ndarray:
-    """V_contact, J, (...,): ∫ Q dδ of every contact, K δ^(n+1)/(n+1) of a power law. Source: (17)."""
-    if contacts.tilted is not None:
-        return np.sum(contacts.tilted.energy, axis=-1)
-    inner, outer = (softened(*each) for each in zip(laws, contacts.compliances, strict=True))
-    return np.sum(inner.potential(contacts.inner) + outer.potential(contacts.outer), axis=-1)

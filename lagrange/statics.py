@@ -6,18 +6,19 @@ other contacts take. The equilibrium is the least of a potential; Newton's steps
 stiffness, are as long as makes it less. With parallel axes slopes and tilts are held, and contacts have no moments.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 from math import inf
 from typing import NamedTuple
 
 import numpy as np
+from numpy import ndarray
 
-from lagrange.axial.table import TiltedContact
+from lagrange.axial.table import TiltedLaw
 from lagrange.bearing import Bearing, Operation
-from lagrange.contact.laws import ContactLaws, LogarithmicLaw, PowerLaw
+from lagrange.contact.laws import ContactLaws
 from lagrange.equations import Overlaps, nothing_carries, overlaps, touching_distances
 from lagrange.kinematics import kinematics, roller_angles
-from lagrange.motion import HubTilt, TiltedLaws, Tilts, falls, met, misalignments, roller_inertias
+from lagrange.motion import HubTilt, Tilts, falls, met, misalignments, roller_inertias
 from lagrange.surface.deviation import UNTURNED, Turns
 
 MOST_STEPS, MOST_TURNS, MOST_HALVINGS = 200, 60, 30
@@ -34,33 +35,58 @@ CONTRACTING = 0.5  # of what contacts took too little a turn ago
 # N/m, and N m/rad a metre squared, keeps the hub in the middle, and rollers between raceways, that no force holds
 LOOSE = 1.0
 
-Place = np.ndarray | tuple[float, float]
+Place = ndarray | tuple[float, float]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Statics:
-    """An equilibrium; m, rad, N; arrays (n_rollers,)."""
+class Statics(NamedTuple):
+    """An equilibrium; SI, arrays (n_rollers,). With parallel axes slopes, tilts and moments are 0."""
 
-    x: float  # centre of the inner ring
-    y: float
-    rho: np.ndarray
-    theta: np.ndarray
-    inner_force: np.ndarray
-    outer_force: np.ndarray
-    stiffness: np.ndarray  # (2, 2), N/m, of the hub's place as elements follow it; negative across what it balances on
+    place: ndarray  # (4,), of the hub: x, y, m, and its slope along x and y, rad
+    rho: ndarray
+    tilt: ndarray
+    theta: ndarray
+    inner_force: ndarray
+    outer_force: ndarray
+    inner_moment: ndarray  # N m
+    outer_moment: ndarray
+    own: ndarray  # (2, 2 n_rollers), approach, m, and misalignment, rad, of each contact's law
+    # of the hub as elements follow it, N/m, N/rad, N m/rad: of parallel axes by its place, (2, 2), of others by its
+    # slope too, (4, 4); negative across what it balances on
+    stiffness: ndarray
+    on_hub: ndarray  # (2,), N m, moment of the contacts on the hub's slope
+    is_free: bool  # whether that slope moves
+
+    @property
+    def hub(self) -> ndarray:
+        return self.place[:2]
+
+    @property
+    def x(self) -> float:
+        return float(self.place[0])
+
+    @property
+    def y(self) -> float:
+        return float(self.place[1])
+
+    def of_side(self, row: int) -> ndarray:
+        """Approaches, m, and misalignments, rad, of the inner (0) or outer (1) contacts' laws, (2, n_rollers)."""
+        return self.own.reshape(2, 2, -1)[:, row]
+
+    @property
+    def radial_stiffness(self) -> ndarray:
+        """Of the hub's place as all else follows, a free slope too, (2, 2), N/m."""
+        return _condensed(self.stiffness, 2) if self.is_free else self.stiffness[:2, :2]
+
+    @property
+    def moved(self) -> ndarray:
+        """All places, (4 + 2 n_rollers,): of the hub, radii, tilts."""
+        return np.concatenate([self.place, self.rho, self.tilt])
 
 
-class _Upright:
-    """A contact of parallel axes as one that may be tilted."""
-
-    has_part, last_approach = False, inf
-
-    def __init__(self, law: PowerLaw | LogarithmicLaw):
-        self.law = law
-
-    def at(self, approach, slope) -> TiltedContact:
-        law, none = self.law, np.zeros(np.shape(approach))
-        return TiltedContact(law.potential(approach), law.force(approach), none, law.slope(approach), none, none)
+def _condensed(stiffness, kept):
+    """Of the first coordinates as the others follow."""
+    whole, k = stiffness, kept
+    return whole[:k, :k] - whole[:k, k:] @ np.linalg.solve(whole[k:, k:], whole[k:, :k])
 
 
 def static_equilibrium(
@@ -68,9 +94,9 @@ def static_equilibrium(
     operation: Operation,
     laws: ContactLaws,
     *,
-    angles: np.ndarray | None = None,
+    angles: ndarray | None = None,
     roller_mass: float | None = None,
-    start: tuple[float, float] | None = None,
+    start: Place | None = None,
     turns: Turns = UNTURNED,
     ring: Place = (0.0, 0.0),
 ) -> Statics:
@@ -97,16 +123,12 @@ def static_equilibrium(
     for free in (True,) if weight > 0.0 else (False, True):  # what nothing loads stays where it is put
         system.moves[:2] = free
         moved, here = system.settled(moved)
-    inner, outer, *_ = here.forces.reshape(4, -1)
-    return Statics(
-        x=float(moved[0]), y=float(moved[1]), rho=moved[system.rho], theta=theta, inner_force=inner, outer_force=outer,
-        stiffness=system.upright_stiffness(here),
-    )  # fmt: skip
+    return system.statics(moved, here, system.upright_stiffness(here))
 
 
 def held_hub(
     bearing: Bearing, operation: Operation, laws: ContactLaws, hub, *, angles, turns=UNTURNED, ring=(0.0, 0.0)
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+) -> tuple[ndarray, ndarray, ndarray]:
     """Force that holds the hub at a place, (2,), N, ρ of elements in radial balance, (n_rollers,), m, its stiffness.
 
     Parameters: as of `static_equilibrium`; hub : (2,), m
@@ -117,7 +139,7 @@ def held_hub(
     return -here.left[:2], moved[system.rho], system.upright_stiffness(here)
 
 
-def _load(operation: Operation) -> np.ndarray:
+def _load(operation):
     """Load and weight on the hub, (2,), N."""
     return np.array([operation.side_load, -(operation.radial_load + operation.inner_mass * operation.gravity)])
 
@@ -125,60 +147,17 @@ def _load(operation: Operation) -> np.ndarray:
 class Elastic(NamedTuple):
     """Compliance of the bodies between contacts, inner ones first, and further contributions to the approach."""
 
-    compliance: np.ndarray  # (2 n_rollers, 2 n_rollers), m/N, of forces
-    tilt_compliance: np.ndarray  # the same, rad per N m, of moments
-    closing: np.ndarray  # (2 n_rollers,), m
+    compliance: ndarray  # (2 n_rollers, 2 n_rollers), m/N, of forces
+    tilt_compliance: ndarray  # the same, rad per N m, of moments
+    closing: ndarray  # (2 n_rollers,), m
 
 
-@dataclass(frozen=True)
-class Placement:
+class Placement(NamedTuple):
     """Where rollers and the outer ring stand."""
 
-    theta: np.ndarray  # (n_rollers,), rad
+    theta: ndarray  # (n_rollers,), rad
     ring: Place = (0.0, 0.0)  # the outer ring's centre, m, from which all places are
     turns: Turns = UNTURNED  # of ring and rollers, which matter where their surfaces are not perfect
-
-
-@dataclass(frozen=True, kw_only=True)
-class TiltedStatics:
-    """An equilibrium; SI, arrays (n_rollers,)."""
-
-    place: np.ndarray  # (4,), of the hub: x, y, m, and its slope along x and y, rad
-    rho: np.ndarray
-    tilt: np.ndarray
-    theta: np.ndarray
-    inner_force: np.ndarray
-    outer_force: np.ndarray
-    inner_moment: np.ndarray  # N m
-    outer_moment: np.ndarray
-    own: np.ndarray  # (2, 2 n_rollers), approach, m, and misalignment, rad, of each contact's law
-    stiffness: np.ndarray  # (4, 4), by the hub's place and slope as rollers follow: N/m, N/rad, N m/rad
-    on_hub: np.ndarray  # (2,), N m, moment of the contacts on the hub's slope
-    is_free: bool  # whether that slope moves
-
-    @property
-    def hub(self) -> np.ndarray:
-        return self.place[:2]
-
-    def of_side(self, row: int) -> np.ndarray:
-        """Approaches, m, and misalignments, rad, of the inner (0) or outer (1) contacts' laws, (2, n_rollers)."""
-        return self.own.reshape(2, 2, -1)[:, row]
-
-    @property
-    def radial_stiffness(self) -> np.ndarray:
-        """Of the hub's place as all else follows, a free slope too, (2, 2), N/m."""
-        return _condensed(self.stiffness, 2) if self.is_free else self.stiffness[:2, :2]
-
-    @property
-    def moved(self) -> np.ndarray:
-        """All places, (4 + 2 n_rollers,): of the hub, radii, tilts."""
-        return np.concatenate([self.place, self.rho, self.tilt])
-
-
-def _condensed(stiffness: np.ndarray, kept: int) -> np.ndarray:
-    """Of the first coordinates as the others follow."""
-    whole, k = stiffness, kept
-    return whole[:k, :k] - whole[:k, k:] @ np.linalg.solve(whole[k:, k:], whole[k:, :k])
 
 
 class _Point(NamedTuple):
@@ -186,26 +165,26 @@ class _Point(NamedTuple):
 
     energy: float  # J
     size: float  # of what is left, over what may be: at most 1 in equilibrium
-    left: np.ndarray  # (4 + 2 n,), unbalanced forces and moments
+    left: ndarray  # (4 + 2 n,), unbalanced forces and moments
     nearly: bool  # whether it is little enough where it gets no less
     noise: float  # J, round-off of the energy
-    forces: np.ndarray  # (4 n,), Q of all contacts, then −M
-    stiff: np.ndarray  # (4 n, 4 n), their derivatives by own approaches and misalignments
-    own: np.ndarray  # (4 n,), these
-    ways: np.ndarray  # (4 n, 4 + 2 n), derivatives of approaches and misalignments by the bodies' places
-    turning: np.ndarray  # (4 + 2 n, 4 + 2 n), stiffness by contacts' normals that turn
+    forces: ndarray  # (4 n,), Q of all contacts, then −M
+    stiff: ndarray  # (4 n, 4 n), their derivatives by own approaches and misalignments
+    own: ndarray  # (4 n,), these
+    ways: ndarray  # (4 n, 4 + 2 n), derivatives of approaches and misalignments by the bodies' places
+    turning: ndarray  # (4 + 2 n, 4 + 2 n), stiffness by contacts' normals that turn
     found: Overlaps
 
 
 def tilted_equilibrium(
     bearing: Bearing,
     operation: Operation,
-    laws: TiltedLaws,
+    laws: Sequence[TiltedLaw],
     hub: HubTilt,
     placement: Placement,
-    start: tuple[np.ndarray, np.ndarray],
+    start: tuple[ndarray, ndarray],
     elastic: Elastic | None = None,
-) -> TiltedStatics:
+) -> Statics:
     """Equilibrium under load, weights and centrifugal forces at cage speed.
 
     laws : of the inner and the outer contact
@@ -221,19 +200,14 @@ def tilted_equilibrium(
         more = system.compliance @ here.forces - system.taken
         left = np.abs(more * system.arms).max()
         if left <= FITTING:
-            inner, outer, inner_moment, outer_moment = here.forces.reshape(4, -1)
             effective = np.linalg.solve((np.eye(4 * n) + system.compliance @ here.stiff).T, here.stiff.T).T
-            return TiltedStatics(
-                place=moved[:4], rho=moved[system.rho], tilt=moved[system.tilt], theta=placement.theta,
-                inner_force=inner, outer_force=outer, inner_moment=-inner_moment, outer_moment=-outer_moment,
-                own=here.own.reshape(2, -1), is_free=hub.is_free, on_hub=-(here.ways.T @ here.forces)[2:4],
-                stiffness=_condensed(system.stiffness(here, effective), 4),
-            )  # fmt: skip
+            return system.statics(moved, here, _condensed(system.stiffness(here, effective + system.between), 4))
         if left >= CONTRACTING * before:
             # rings that bend more than their contacts need Newton's method, since their forces would swing
             stiff, ways = here.stiff, here.ways[:, moves]
-            whole = system.stiffness(here, stiff)[np.ix_(moves, moves)]
-            follow = stiff - stiff @ ways @ np.linalg.solve(whole, ways.T @ (stiff + system.between))
+            held = stiff + system.between
+            whole = system.stiffness(here, held)[np.ix_(moves, moves)]
+            follow = stiff - stiff @ ways @ np.linalg.solve(whole, ways.T @ held)
             more = np.linalg.solve(np.eye(4 * n) + system.compliance @ follow, more)
         system.taken += more
         before = left
@@ -247,7 +221,7 @@ class _Row:
         n, m = bearing.n_rollers, bearing.roller_mass if mass is None else mass
         self.length, self.rho, self.tilt = bearing.roller_length, slice(4, 4 + n), slice(4 + n, None)  # among places
         self.bearing, self.placement, self.tilts = bearing, placement, hub is not None
-        self.laws = laws if self.tilts else [_Upright(law) for law in laws]
+        self.laws = laws
         self.bare = nothing_carries(bearing, placement.theta, _load(operation))
         cos, sin, nothing = np.cos(placement.theta), np.sin(placement.theta), np.zeros((2 * n, 2 * n))
         hub, elastic = hub or HubTilt(slope_x=0.0, slope_y=0.0), elastic or Elastic(nothing, nothing, np.zeros(2 * n))
@@ -285,36 +259,39 @@ class _Row:
             finest = ROUND_OFF * self.track * float(laws[0].slope(1e-4 * bearing.roller_radius))
             self.least, self.blur = (n * finest, finest), 10.0 * ROUND_OFF * self.track
 
-    def upright(self, hub: np.ndarray) -> np.ndarray:
+    def statics(self, moved, here, stiffness):
+        inner, outer, inner_moment, outer_moment = here.forces.reshape(4, -1)
+        return Statics(
+            place=moved[:4], rho=moved[self.rho], tilt=moved[self.tilt], theta=self.placement.theta, inner_force=inner,
+            outer_force=outer, inner_moment=-inner_moment, outer_moment=-outer_moment, own=here.own.reshape(2, -1),
+            is_free=bool(self.moves[2]), on_hub=-(here.ways.T @ here.forces)[2:4], stiffness=stiffness,
+        )  # fmt: skip
+
+    def upright(self, hub):
         """Places with parallel axes to begin from: rollers between both raceways, or on the one that bears them."""
         cos, sin, track = np.cos(self.placement.theta), np.sin(self.placement.theta), self.track
         across = hub[1] * cos - hub[0] * sin
         touch = hub[0] * cos + hub[1] * sin + np.sqrt(np.maximum(self.reach**2 - across**2, 0.0))
         push = self.applied[self.rho] - self.inertial[self.rho] * track
-        inner, outer = (each.law.approach(np.abs(push)) for each in self.laws)
+        inner, outer = (law.approach(np.abs(push)) for law in self.laws)
         rest = np.where(push > 0.0, track + outer, touch - inner)
         rho = np.where((touch < track) & (push != 0.0), rest, 0.5 * (touch + track))
         return np.concatenate([hub, np.zeros(2), rho, np.zeros(cos.size)])
 
-    def upright_parts(self, here: _Point, loose: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def upright_parts(self, here, loose):
         """Stiffness of parallel axes: of the hub, (2, 2), hub by rollers, (2, n), each roller's own, (n,), N/m.
 
-        `loose` : N/m, between either raceway and a roller, which then follows the hub wherever nothing holds it
+        `loose` : 1, or 0: no roller follows the hub that nothing holds
         """
-        n = here.own.size // 4
-        closing, k, turning = here.ways[: 2 * n], np.diag(here.stiff)[: 2 * n], here.turning
-        closing, k = np.concatenate([closing, closing[:n] - closing[n:]]), np.concatenate([k, np.full(n, 0.25 * loose)])
-        on_hub = closing[:, :2].T * k
-        hub = on_hub @ closing[:, :2] + turning[:2, :2] + np.diag(self.springs[:2])
-        own = k @ closing[:, self.rho] ** 2 + np.diag(turning)[self.rho] + self.inertial[self.rho]
-        return hub, on_hub @ closing[:, self.rho] + turning[:2, self.rho], own
+        whole = self.stiffness(here, here.stiff + loose * self.between)
+        return whole[:2, :2], whole[:2, self.rho], np.diag(whole)[self.rho]
 
-    def upright_stiffness(self, here: _Point) -> np.ndarray:
+    def upright_stiffness(self, here):
         """Of the hub as elements follow it, (2, 2), N/m; those that nothing holds do not."""
         hub, between, own = self.upright_parts(here, 0.0)
         return hub - between / np.where(own > 0.0, own, np.inf) @ between.T
 
-    def settled(self, moved: np.ndarray) -> tuple[np.ndarray, _Point]:
+    def settled(self, moved):
         """Places in equilibrium from others that are near; what contacts have `taken` stays."""
         here, steps = self.at(moved), 0
         while here.size > 1.0:
@@ -345,11 +322,11 @@ class _Row:
         moved = self.rested(moved, here) + self.newton(here)  # to the last digit
         return moved, self.at(moved)
 
-    def newton(self, here: _Point) -> np.ndarray:
+    def newton(self, here):
         """Newton's step; along directions with negative stiffness downhill."""
         moves, step, longest = self.moves, np.zeros(self.moves.size), LONGEST * self.bearing.roller_radius
         if not self.tilts:  # a roller knows the others by the hub alone
-            hub, between, own = self.upright_parts(here, LOOSE)
+            hub, between, own = self.upright_parts(here, 1.0)
             own, left = np.maximum(np.abs(own), LOOSE * LEAST_SCALED), here.left
             follow = between / own
             values, vectors = np.linalg.eigh(hub - follow @ between.T)
@@ -362,7 +339,7 @@ class _Row:
                 return step
             step[:2], step[self.rho] = way, (left[self.rho] - way @ between) / own
             return step * min(1.0, longest / max(float(np.abs(step).max()), 1e-30))
-        whole = self.stiffness(here, here.stiff)[np.ix_(moves, moves)]
+        whole = self.stiffness(here, here.stiff + self.between)[np.ix_(moves, moves)]
         scale = np.sqrt(np.abs(np.diag(whole)))
         values, vectors = np.linalg.eigh(whole / np.outer(scale, scale))
         values = np.maximum(np.abs(values), LEAST_SCALED)
@@ -370,7 +347,7 @@ class _Row:
         ways = np.abs(step[:2]).max(), np.abs(step[self.rho]).max(), self.length * np.abs(step[self.tilt]).max()
         return step * min(1.0, longest / max(*map(float, ways), 1e-30))
 
-    def at(self, moved) -> _Point:
+    def at(self, moved):
         rho, tilt, n = moved[self.rho], moved[self.tilt], self.bearing.n_rollers
         j = np.arange(n)
         found = overlaps(self.bearing, moved[0], moved[1], rho, self.placement.theta)
@@ -413,7 +390,7 @@ class _Row:
         turning = -(tangent.T * (forces[:n] / found.distance)) @ tangent
         return _Point(energy, over, left, nearly <= 1.0, noise, forces, stiff, own, ways, turning, found)
 
-    def rested(self, moved: np.ndarray, here: _Point) -> np.ndarray:
+    def rested(self, moved, here):
         """Places with rollers that nothing presses in the middle of their gaps, where those touch no raceway there."""
         own = here.own.reshape(2, 2, -1)
         apart, middle = 0.5 * (own[:, 0] - own[:, 1]), own.mean(axis=1)
@@ -422,6 +399,5 @@ class _Row:
             idle &= met(law, middle[0], middle[1], surface).force <= 0.0
         return moved + np.concatenate([np.zeros(4), *(idle * apart * [[1.0], [-1.0]])]) if idle.any() else moved
 
-    def stiffness(self, here: _Point, contacts: np.ndarray) -> np.ndarray:
-        own = np.diag(self.springs + self.inertial)
-        return here.ways.T @ (contacts + self.between) @ here.ways + here.turning + own
+    def stiffness(self, here, contacts):
+        return here.ways.T @ contacts @ here.ways + here.turning + np.diag(self.springs + self.inertial)

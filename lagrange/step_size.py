@@ -5,7 +5,7 @@ from math import inf, pi, sqrt
 import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing, Operation
-from lagrange.contact.laws import ContactLaws, contact_laws
+from lagrange.contact.laws import contact_laws
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics_met
 from lagrange.surface.deviation import profiles
@@ -61,17 +61,16 @@ def hub_frequency(bearing: Bearing, operation: Operation) -> float:
     return sqrt(share * bearing.n_rollers * in_series / operation.inner_mass) / (2.0 * pi)
 
 
-def _stiffness(bearing: Bearing, operation: Operation, share: float = 1.0) -> tuple[float, float]:
+def _stiffness(bearing, operation, share=1.0):
     """Of the inner and the outer contact under this share of the largest load, about five times the mean one, N/m."""
     cage = np.abs(kinematics_met(bearing, operation).cage).max()
     force = share * 5.0 * (operation.heaviest + operation.inner_mass * operation.gravity) / bearing.n_rollers
     force += bearing.roller_mass * (bearing.pitch_radius * cage**2 + operation.gravity)
     laws = contact_laws("hertz" if isinstance(bearing, BallBearing) else "johnson", bearing)
-    inner, outer = _slopes(laws, force, force)
-    return inner, outer
+    return _slopes(laws, force, force)
 
 
-def _slopes(laws: ContactLaws, *forces: float) -> list[float]:
+def _slopes(laws, *forces):
     """Stiffness of the inner and the outer contact under forces, N, N/m."""
     return [float(law.slope(law.approach(force))) for law, force in zip(laws, forces, strict=True)]
 
@@ -118,15 +117,12 @@ def fastest_in_machine(bearing: Bearing, operation: Operation, inner: float, out
     if shaft is None and housing is None:
         return 0.0
     share = 0.5 * bearing.n_rollers  # of cos² around the bearing
-    masses = np.array([operation.inner_mass, share * bearing.roller_mass, bearing.outer_ring_mass])
+    of_ring = inf if housing is None else housing.mass + bearing.outer_ring_mass  # held by the ground
+    masses = np.array([operation.inner_mass, share * bearing.roller_mass, of_ring])
     a, b = share * inner, share * outer
     stiffness = np.array([[a, -a, 0.0], [-a, a + b, -b], [0.0, -b, b]])
     stiffness[0, 0] += 0.0 if shaft is None else shaft.stiffness
-    if housing is None:
-        masses, stiffness = masses[:2], stiffness[:2, :2]
-    else:
-        masses[2] += housing.mass
-        stiffness[2, 2] += housing.stiffness
+    stiffness[2, 2] += 0.0 if housing is None else housing.stiffness
     return sqrt(float(np.linalg.eigvalsh(stiffness / np.sqrt(np.outer(masses, masses))).max()))
 
 

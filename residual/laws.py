@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from lagrange.axial.slices import Slices, alone, contact_slices
-from lagrange.axial.table import TiltedContact
+from lagrange.axial.table import TiltedContact, in_series
 from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force, tilted_damper
-from lagrange.contact.laws import LogarithmicLaw, PowerLaw, contact_laws, softened
+from lagrange.contact.laws import LogarithmicLaw, PowerLaw, contact_laws
 from lagrange.equations import Overlaps, contact_resultant
 from lagrange.errors import InputError
 from lagrange.motion import falls, met, misalignments
@@ -51,7 +51,7 @@ class Pushes(NamedTuple):
 
         The spring alone deforms an edge, whose compliance is in series with it.
         """
-        return contacts.at_force(self.spring) if self.moment is None else contacts.at_contact(self.falls)
+        return contacts.at_contact(Falls(compliance=0.5 * self.spring) if self.moment is None else self.falls)
 
     def on_hub(self, record: Record, contacts: Overlaps) -> np.ndarray:
         """Their resultant on the hub along x and y, N, (2, n_times), with the force of tilted contacts' moments."""
@@ -80,12 +80,11 @@ class DampedLaw:
 
     def pushes(self, approach, closing_speed, compliance=0.0) -> Pushes:
         """By approaches, m, their growth, m/s, and the compliance of edges, m/N."""
-        spring = softened(self.spring, compliance)
-        force = spring.force(approach)
+        here = in_series(self.spring.at, approach, 0.0, compliance)
         if not self.damping.acts:
-            return Pushes(force, 0.0)
-        coefficient = self.damping.coefficient(force, spring.slope(approach))
-        return Pushes(force, damper_force(force, closing_speed, coefficient))
+            return Pushes(here.force, 0.0)
+        coefficient = self.damping.coefficient(here.force, here.stiffness)
+        return Pushes(here.force, damper_force(here.force, closing_speed, coefficient))
 
 
 class SlicedLaw(NamedTuple):

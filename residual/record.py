@@ -12,10 +12,10 @@ import numpy as np
 
 from lagrange.axial.slices import Slices
 from lagrange.bearing import Bearing, Operation
+from lagrange.columns import per_roller
 from lagrange.equations import Overlaps, approaches, farthest_place
 from lagrange.errors import InputError
 from lagrange.motion import Tilts
-from lagrange.scene.run import per_roller
 from lagrange.scene.scene import Scene
 from lagrange.surface.deviation import Turns
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from lagrange.axial.slices import contact_slices, read_slices
-from lagrange.columns import ENERGIES, FORMAT_VERSION, columns_of
+from lagrange.columns import ENERGIES, FORMAT_VERSION, columns_of, per_roller
 from lagrange.contact.laws import contact_laws
 from lagrange.errors import InputError
 from lagrange.files import hdf5
@@ -16,7 +16,7 @@ from lagrange.files.tables import LARGEST_TEXT, TextTable, decoded
 from lagrange.kinematics import roller_angles, turned
 from lagrange.messages import shown
 from lagrange.mounting import ENERGIES as OF_MOUNTING
-from lagrange.scene.run import Columns, per_roller
+from lagrange.scene.run import Columns
 from lagrange.scene.scene import Scene, SceneError, parse_stored_scene
 from lagrange.statics import held_hub
 from residual import record as records

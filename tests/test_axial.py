@@ -29,9 +29,9 @@ from fem.rating.equilibria import TiltedPitch, tilted_pitch
 from fem.solver.start import check_narrow
 from fem.statics.exact_statics import exact_statics, kept_contacts
 from fem.statics.tilted_pressures import scene_slices
-from lagrange.axial import Axial, ContactTable
 from lagrange.axial.pressure import Ends, peak_table, placed, pressures, pressures_under
 from lagrange.axial.slices import (
+    Axial,
     Profile,
     Slices,
     alone,
@@ -42,6 +42,7 @@ from lagrange.axial.slices import (
     tabulated,
     write_slices,
 )
+from lagrange.axial.table import ContactTable
 from lagrange.axial.table import in_series as softened
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import LogarithmicLaw, contact_laws, johnson
@@ -55,7 +56,7 @@ from lagrange.rating.sources import Unavailable
 from lagrange.scene import Scene, read_scene
 from lagrange.scene.faults import SceneError
 from lagrange.scene.scene import parse_scene_text
-from lagrange.statics import Placement, TiltedStatics, tilted_equilibrium
+from lagrange.statics import Placement, Statics, tilted_equilibrium
 from tests.reference.continua import Pressed, pressed
 from tests.reference.kit import LOAD, ON_A_ROLLER, STEEL, operation, paper, sets
 
@@ -646,7 +647,7 @@ def test_stiffness_is_what_a_small_slope_shows_and_springs_hold_a_tilted_shaft()
     assert held.on_hub[1] == pytest.approx(2000.0 * (1e-3 + found.place[3]), rel=1e-3)
 
 
-def rigid_rings(profile: str, mrad: float, **free: float) -> TiltedStatics:
+def rigid_rings(profile: str, mrad: float, **free: float) -> Statics:
     laws = sliced_laws(PAPER, axial(profile, 40, False), contact_laws("iso16281", PAPER))
     acting, hub = (
         operation(speed=0.0, gravity=0.0, radial_load=LOAD),

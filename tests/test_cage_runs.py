@@ -9,11 +9,12 @@ from numpy.testing import assert_allclose
 from fem.interface import simulate as run_scene
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws
-from lagrange.catalogue import ratings
+from lagrange.catalogue import elements
 from lagrange.contact.damping import ContactDamping
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
 from lagrange.mounting import HELD, Housing, Mounting
+from lagrange.rating.life import dynamic_capacity
 from lagrange.scene.scene import parse_scene
 from tests.reference.compiled import compiled, simulation
 from tests.reference.kit import RAMP, assert_same_bits, balance_of, caged, rest_of_run, scene_with
@@ -152,7 +153,7 @@ SPEEDS = (300.0, 8), (1500.0, 5), (3000.0, 3), (9000.0, 2)  # rpm, per cent of t
 def test_rollers_in_the_default_cage_orbit_as_rolling(number, designation):
     """Within −0.1 to +0.25 %, the cage's own slip with them: over two turns, at two speeds and loads each."""
     for rpm, share in (SPEEDS[number % 4], SPEEDS[(number + 2) % 4]):
-        operation = {"speed_rpm": rpm, "radial_load_N": 0.01 * share * ratings(designation)[0]}
+        operation = {"speed_rpm": rpm, "radial_load_N": 0.01 * share * dynamic_capacity(elements(designation).row)}
         scene = parse_scene({"model": "reduced", "bearing": {"designation": designation}, "operation": operation}, "")
         pitch = 2e6 * scene.perfect_bearing().pitch_radius  # µm
         turn = 2e3 * np.pi / kinematics(scene.ideal_bearing(), scene.ideal_operation().speed).cage  # ms

@@ -12,10 +12,11 @@ from fem.solver.simulate import make_plan
 from fem.statics.contact_balance import Loads, balance, first_guess
 from fem.statics.exact_statics import exact_contacts
 from lagrange import contact_laws, static_equilibrium
+from lagrange.axial.table import in_series
 from lagrange.contact.hertz import contact_pairs
-from lagrange.contact.laws import ContactLaws, PowerLaw, Softened
+from lagrange.contact.laws import ContactLaws, PowerLaw
 from lagrange.kinematics import kinematics, roller_angles
-from lagrange.motion import State, accelerations, contact_energy, contact_state
+from lagrange.motion import State, accelerations, contact_state
 from lagrange.scene.scene import read_scene
 from lagrange.surface.deviation import Turns, profiles
 from lagrange.surface.edges import Circles, softening
@@ -166,7 +167,7 @@ def test_forces_at_edges_are_those_of_half_planes_which_are_hertz_contacts_far_f
     for place, sunk, soft in zip(places, met.sinkage[:, 0], met.compliance[:, 0], strict=True):
         for approach in (1e-6, 3e-6):
             exact, _ = reference.press(place, sunk + approach)
-            assert Softened(law=law, compliance=soft).force(approach) == pytest.approx(exact, rel=0.04)
+            assert in_series(law.at, approach, 0.0, soft).force == pytest.approx(exact, rel=0.04)
     assert law.force(2e-6) > 1.3 * reference.press(half - 0.3e-3, met.sinkage[-1, 0] + 2e-6)[0]
 
 
@@ -188,12 +189,14 @@ def test_an_edge_alone_has_its_own_curvature_and_a_shallow_bottom_that_of_the_ra
 @pytest.mark.parametrize("law", ["harris", "johnson"])
 def test_a_law_in_series_with_a_compliance(law):
     plain, depth = contact_laws(law, PAPER).outer, np.array([-1e-6, 0.0, 1e-9, 1e-6, 5e-6])
-    soft = Softened(law=plain, compliance=1e-9)
-    force, depth = soft.force(depth)[2:], depth[2:]
-    assert np.all(soft.force(np.array([-1e-6, 0.0])) == 0.0)
-    assert_allclose(soft.approach(force), depth, rtol=1e-13)
-    for found, of in ((soft.slope(depth), soft.force), (force, soft.potential)):
-        assert_allclose(found, (of(depth * 1.0001) - of(depth * 0.9999)) / (2e-4 * depth), rtol=1e-6)
+    soft = partial(in_series, plain.at, slope=0.0, compliance=1e-9)
+    found, closed = soft(depth), depth[2:]
+    assert np.all(found.force[:2] == 0.0)
+    assert_allclose(plain.approach(found.force[2:]) + 1e-9 * found.force[2:], closed, rtol=1e-13)
+    more, less = soft(closed * 1.0001), soft(closed * 0.9999)
+    for of, derivative in (("force", found.stiffness), ("energy", found.force)):
+        change = (getattr(more, of) - getattr(less, of)) / (2e-4 * closed)
+        assert_allclose(derivative[2:], change, rtol=1e-6)
 
 
 @pytest.mark.parametrize("law", ["harris", "johnson"])
@@ -212,7 +215,7 @@ def test_forces_at_edges_are_the_gradient_of_the_energy(law):
                      rho_rate=rest, theta_rate=rest, turns=turns)  # fmt: skip
 
     def energy(values):
-        return contact_energy(laws, contact_state(bearing, laws, state(values)))
+        return contact_state(bearing, laws, state(values)).energy.sum()
 
     contacts = contact_state(bearing, laws, state(start))
     assert contacts.compliances[1][0] > 1e-10 and contacts.outer_force[0] > 100.0

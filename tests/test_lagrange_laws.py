@@ -108,9 +108,9 @@ HARRIS = [
 
 def test_delta_star_agrees_with_harris_table_and_falls_from_circle_to_line():
     difference, published = np.transpose(HARRIS)
-    np.testing.assert_allclose(delta_star(difference), published, rtol=0.0, atol=3e-4)
+    np.testing.assert_allclose([delta_star(F) for F in difference], published, rtol=0.0, atol=3e-4)
     differences = np.concatenate([[0.0, 1e-7, 0.99e-5, 1.01e-5, 1e-4], np.linspace(0.01, 0.999999, 50)])
-    values = delta_star(differences)
+    values = np.array([delta_star(F) for F in differences])
     assert np.all(np.diff(values) < 1e-14) and values[0] == pytest.approx(1.0, abs=1e-15)
 
 

@@ -19,11 +19,9 @@ from lagrange.kinematics import kinematics, roller_angles
 from lagrange.motion import (
     HubTilt,
     State,
-    TiltedLaws,
     Tilts,
     accelerations,
     angular_equations,
-    contact_energy,
     contact_state,
     falls,
     hub_axial_inertia,
@@ -194,7 +192,9 @@ def test_two_bodies_bounce_through_a_dashpot_as_theory_says(ratio, monkeypatch):
     decay, root = ratio / sqrt(1.0 - ratio**2), sqrt(1.0 - ratio**2)
     leaves = pi - atan2(2.0 * ratio * root, 1.0 - 2.0 * ratio**2)
     assert thrown(damping, 0.1) == pytest.approx(exp(-decay * leaves), rel=1e-5)
-    monkeypatch.setattr("lagrange.motion.damper_force", lambda spring, rate, c: np.where(spring > 0.0, c * rate, 0.0))
+    monkeypatch.setattr(
+        "lagrange.contact.damping.damper_force", lambda spring, rate, c: np.where(spring > 0.0, c * rate, 0.0)
+    )
     assert thrown(damping, 0.1) == pytest.approx(exp(-pi * decay), rel=1e-5)
 
 
@@ -260,7 +260,7 @@ def test_accelerations_are_the_gradient_of_the_energy():
         return still_at(values, values[2 : n + 2], values[n + 2 :], turns=Turns(inner_ring=-0.01, rollers=0.2))
 
     def energy(values):
-        return contact_energy(HARRIS, contact_state(bearing, HARRIS, state(values)))
+        return contact_state(bearing, HARRIS, state(values)).energy.sum()
 
     contacts = contact_state(bearing, HARRIS, state(start))
     ax, ay, rho, theta = accelerations(bearing, operation, state(start), contacts)
@@ -339,7 +339,7 @@ class PowerSlices:
         return Sums(energy.sum(axis=-1), forces.sum(axis=-1), forces @ PLACE)
 
 
-LAWS = TiltedLaws(PowerSlices(4e8), PowerSlices(5e8))
+LAWS = PowerSlices(4e8), PowerSlices(5e8)
 
 
 def random_state(rng):
@@ -365,7 +365,7 @@ def test_equations_with_tilt_are_those_that_computer_algebra_derives():
     b, o, rng = BEARING, OPERATION, np.random.default_rng(11)
     parameters = (
         b.roller_mass, o.inner_mass, o.gravity, o.radial_load, b.inner_raceway_radius, b.outer_raceway_radius,
-        b.roller_radius, LAWS.inner.stiffness, LAWS.outer.stiffness, across, along, spin, hub.inertia,
+        b.roller_radius, LAWS[0].stiffness, LAWS[1].stiffness, across, along, spin, hub.inertia,
         hub_axial_inertia(b, o), o.speed, hub.stiffness, hub.slope_x, hub.slope_y,
     )  # fmt: skip
     worst, closed = np.zeros(8), 0
@@ -405,7 +405,7 @@ def test_equations_with_tilt_are_those_that_computer_algebra_derives():
 def test_dampers_of_a_tilted_contact_are_those_of_its_slices():
     found = scene(axial__slices=11)
     bearing = found.ideal_bearing()
-    slices = sliced_laws(bearing, found.ideal_axial(), contact_laws("iso16281", bearing)).inner
+    slices = sliced_laws(bearing, found.ideal_axial(), contact_laws("iso16281", bearing))[0]
     damping, rng = ContactDamping(time=1e-5), np.random.default_rng(7)
     approach, slope = 8e-6 + 4e-6 * rng.uniform(size=9), 1e-3 * rng.uniform(-1.0, 1.0, 9)
     closing, turning = 1e-4 * rng.uniform(-1.0, 1.0, 9), 1e-2 * rng.uniform(-1.0, 1.0, 9)
@@ -459,7 +459,7 @@ def test_forces_over_spalls_and_waves_are_the_gradient_of_the_energy():
     scale = np.repeat([part.max() for part in np.split(scale, np.cumsum(parts)[:-1])], parts)
     for i in range(moved.size):
         way = step * (np.arange(moved.size) == i)
-        energy = [float(at(moved + sign * way)[1].tilted.energy.sum()) for sign in (1.0, -1.0)]
+        energy = [float(at(moved + sign * way)[1].energy.sum()) for sign in (1.0, -1.0)]
         assert pushes[i] == pytest.approx(-(energy[0] - energy[1]) / (2.0 * step[i]), abs=1e-5 * scale[i])
 
 

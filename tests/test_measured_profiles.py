@@ -115,7 +115,7 @@ REFUSED = {
     "decimal commas": (HEADER + "\n".join(f"{a},0,5" for a in range(360)), "line 2: 3 cells"),
     "a thousands mark": (HEADER + "\n".join([*ROUND[:7], "7,-2_000"]), "height_um = '-2_000' is no number"),
     "a short row": (HEADER + "\n".join([*ROUND[:7], "7"]), "line 9"),
-    "too few": (HEADER + "\n".join(ROUND[:9]), "9 points"),
+    "too few": (HEADER + "\n".join(ROUND[:9]), "9 rows"),
     "not finite": (HEADER + "\n".join([*ROUND[:-1], "359,nan"]), "not finite"),
     "falling angles": (HEADER + "\n".join([*ROUND[:50], "20,0.0"]), "after 49 comes 20"),
     "more than a turn": (HEADER + "\n".join([*ROUND, "360.5,0"]), "more than a turn"),

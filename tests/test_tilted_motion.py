@@ -18,7 +18,7 @@ from lagrange.axial.pressure import placed, pressures
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import RunFailed, UsageError
 from lagrange.first_state import Problem
-from lagrange.motion import TiltedLaws, sliced_laws
+from lagrange.motion import sliced_laws
 from lagrange.scene.scene import SceneError
 from residual.evaluation import evaluate
 from residual.figures import save
@@ -103,7 +103,7 @@ def test_a_misaligned_shaft_moves_rollers_as_the_reference_says(keys):
 @pytest.mark.parametrize("free", [{}, {"hub_tilt_inertia_kg_m2": 1.03e-5, "shaft_tilt_stiffness_N_m_rad": 2000.0}])
 def test_dampers_of_tilted_contacts_take_what_the_reference_says(free, monkeypatch, tmp_path):
     found = scene("lagrange", ALONE | free, **MISALIGNED, lagrange__law="johnson", damping__contact_time_us=12.5)
-    tables = TiltedLaws(*rigid_state.tables_of(make_plan(found).problem, found.ideal_axial()))
+    tables = tuple(rigid_state.tables_of(make_plan(found).problem, found.ideal_axial()))
     checked = checked_run(found, tmp_path / "damped.nc")  # by slices, whose stiffness jumps as each one touches
     damped = np.abs(checked.record.inner_damping_force).sum(axis=1).max()
     assert_equations_hold(checked)  # moments of dampers push the hub too

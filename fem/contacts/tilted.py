@@ -9,9 +9,8 @@ from fem.contacts.contact_law import ContactLaw
 from fem.elastic.axial_series import slice_compliance
 from fem.elastic.cache import kept
 from fem.elastic.continuum import hertz_approach, ring_sections, roller_section
-from lagrange.axial import Axial, ContactTable, SpalledTable, contact_tables
-from lagrange.axial.slices import Slices, contact_slices, without_part
-from lagrange.axial.table import TiltedContact, in_series
+from lagrange.axial.slices import Axial, Slices, contact_slices, contact_tables, without_part
+from lagrange.axial.table import ContactTable, SpalledTable, TiltedContact, in_series
 from lagrange.bearing import Bearing
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import LogarithmicLaw

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lagrange import BallBearing, Operation, contact_laws
-from lagrange.axial import Axial
+from lagrange.axial.slices import Axial
 from lagrange.bearing import load_factor, stiffness_factor
 from lagrange.catalogue import dimension_series, listed, width_of
 from lagrange.contact import hertz

@@ -10,18 +10,17 @@ from fem.contacts.contact_law import ContactLaw
 from fem.contacts.tilted import no_narrower, tilted_slices, too_narrow
 from fem.statics.contact_balance import Loads, NotFound, balance, closed_forces, first_guess, hub_stiffness
 from fem.statics.exact_statics import exact_contacts, exact_statics, reduced_bearing
-from lagrange.axial import Axial
 from lagrange.axial.pressure import SHARP, profile_ends
-from lagrange.axial.slices import Slices, contact_slices
+from lagrange.axial.slices import Axial, Slices, contact_slices
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import ContactLaws
 from lagrange.kinematics import kinematics, roller_angles
-from lagrange.motion import TiltedLaws, hub_tilt
+from lagrange.motion import hub_tilt
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import SAMPLES, Pitch, Point, approach_rates, damping_matrix, over_pitch
-from lagrange.statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
+from lagrange.statics import Elastic, Placement, Statics, tilted_equilibrium
 from lagrange.surface.deviation import UNTURNED
 
 TILTED_SAMPLES = 16  # cage angles in a pitch
@@ -79,7 +78,7 @@ class TiltedPitch:
     bearing: Bearing
     axial: Axial
     pitch: Pitch  # without damping
-    statics: tuple[TiltedStatics, ...]  # by cage angle
+    statics: tuple[Statics, ...]  # by cage angle
     slices: tuple[Slices, Slices]
 
     @cached_property
@@ -160,7 +159,7 @@ def _tilted_pitch(
 
         def solve(angles: np.ndarray, near: Point | None) -> Point:
             start = _pushed(bearing, slices[0], still, angles) if near is None else (near.place, near.rho)
-            now = tilted_equilibrium(bearing, still, TiltedLaws(*slices), hub, Placement(angles), start, elastic)
+            now = tilted_equilibrium(bearing, still, slices, hub, Placement(angles), start, elastic)
             found.append(now)
             return Point(
                 place=now.place[:2], rho=now.rho, inner_force=now.inner_force, outer_force=now.outer_force,

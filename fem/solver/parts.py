@@ -19,8 +19,8 @@ from fem.kernels.tilted_contact import PartProfiles, SpalledRest, TiltedLaw
 from fem.kernels.tilts import Tilts as TiltArrays
 from fem.solver.row_state import row_places, row_width
 from lagrange import Bearing, Kinematics, Operation
-from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.slices import Axial
+from lagrange.axial.table import ContactTable, SpalledTable
 from lagrange.bearing import Cage
 from lagrange.errors import UsageError
 from lagrange.kinematics import kinematics
@@ -107,7 +107,7 @@ def surfaces_of(bearing: Bearing, columns: int, of_part: bool = False) -> PartPr
     surfaces, on_rings, on_rollers = profiles(bearing), (None, None), (None, None)
     if surfaces is None:
         return PartProfiles(on_rings, on_rollers)
-    every = list(vars(surfaces).values())
+    every = list(surfaces)
     if of_part:
         every = [None if profile is None else profile.part for profile in every]
     if any(ring is not None for ring in every[:2]):

@@ -11,16 +11,16 @@ from fem.statics import contact_balance as statics
 from fem.statics.contact_balance import Loads, hub_spring
 from fem.statics.exact_statics import ReducedBearing, reduced_bearing
 from lagrange import Bearing, Kinematics, Operation
-from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.pressure import exerted, placed
 from lagrange.axial.slices import Axial, steepest_slope
+from lagrange.axial.table import ContactTable, SpalledTable
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError
 from lagrange.first_state import passing, places_moving, tilts_moving, weight_on_springs
 from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.motion import Tilts, hub_tilt
 from lagrange.mounting import HELD, ring_place
-from lagrange.statics import Elastic, TiltedStatics
+from lagrange.statics import Elastic, Statics
 from lagrange.surface.deviation import Turns
 
 NEWTON_STEPS = 30
@@ -195,7 +195,7 @@ def check_slices(model: ReducedBearing, operation: Operation, axial: Axial, load
         check_narrow(model.bearing, axial, model.laws, _tilted_at(model, operation, tried, slices, loaded, 0.0), tried)
 
 
-def check_narrow(bearing: Bearing, axial: Axial, laws: Laws, start: TiltedStatics, tried: Axial | None = None) -> None:
+def check_narrow(bearing: Bearing, axial: Axial, laws: Laws, start: Statics, tried: Axial | None = None) -> None:
     """Refuse coupled slices that can't carry the largest forces of a start, naming the number that can. UsageError.
 
     `laws` : plane ones of whole contacts, inner and outer; `tried` : the slices of the start, None: the same

@@ -15,9 +15,9 @@ from fem.contacts.contact_law import ContactLaw, NoLaw
 from lagrange import Bearing, Operation
 from lagrange.equations import nothing_carries, overlaps
 from lagrange.errors import UsageError
-from lagrange.motion import HubTilt, TiltedLaws
-from lagrange.statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
-from lagrange.surface.deviation import UNTURNED, Turns
+from lagrange.motion import HubTilt
+from lagrange.statics import Elastic, Placement, Statics, tilted_equilibrium
+from lagrange.surface.deviation import UNTURNED, Falls, Turns
 
 LOOSE_SPRING = 1.0  # N/m, keeps in place what no force holds (a roller in clearance); 1e-6 N per µm
 FAINTEST = 1e-6  # N; a smaller force is what the barrier left
@@ -159,7 +159,7 @@ def balance(
 def tilted_balance(
     contacts: Condensed, operation: Operation, laws: tuple, hub: HubTilt, ring: np.ndarray, start: np.ndarray,
     elastic: Elastic,
-) -> TiltedStatics:  # fmt: skip
+) -> Statics:  # fmt: skip
     """Equilibrium of rollers that tilt near hub and radii at a start, (n_rollers + 2,), m, in place of `balance`.
 
     laws : of tilted contacts, inner and outer; ring : (2,), m, of the outer ring's centre
@@ -167,7 +167,7 @@ def tilted_balance(
     Errors: NotFound.
     """
     placement = Placement(np.arctan2(contacts.radial[:, 1], contacts.radial[:, 0]), ring, contacts.turns)
-    near, laws = (start[:2], start[2:]), TiltedLaws(*laws)
+    near, laws = (start[:2], start[2:]), laws
     try:
         return tilted_equilibrium(contacts.bearing, operation, laws, hub, placement, near, elastic)
     except RuntimeError as error:
@@ -288,7 +288,7 @@ def geometry(bearing: Bearing, radial, position, turns: Turns = UNTURNED, forces
     found = overlaps(bearing, position[0], position[1], position[2:], theta).on_surfaces(bearing, turns)
     soft = np.concatenate([np.zeros(n) + compliance for compliance in found.compliances])
     if forces is not None:
-        found = found.at_force(forces[:n])
+        found = found.at_contact(Falls(compliance=0.5 * forces[:n]))
     directions = np.zeros((2 * n, n + 2))
     directions[:n, 0], directions[:n, 1], directions[j, 2 + j] = -found.direction_x, -found.direction_y, -found.radial
     directions[n + j, 2 + j] = 1.0

@@ -15,7 +15,7 @@ from fem.statics.contact_balance import Condensed, Loads, NotFound, closed_force
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange import Operation
 from lagrange.motion import HubTilt
-from lagrange.statics import Elastic, TiltedStatics
+from lagrange.statics import Elastic, Statics
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +29,7 @@ class Equilibrium:
     inner_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to the hub, in the ring's frame
     outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar
     rollers: np.ndarray  # (n_rollers, n_nodes, 2), in each roller's frame, about its centre of mass
-    axes: TiltedStatics | None = None  # of rollers that tilt; None: axes stay parallel
+    axes: Statics | None = None  # of rollers that tilt; None: axes stay parallel
 
     place = property(lambda self: np.concatenate([self.hub, self.rho]))
     forces = property(lambda self: np.concatenate([self.inner_force, self.outer_force]))
@@ -49,7 +49,7 @@ class Tilting:
         """The same under what acts at an instant, with the outer ring's centre at a place, (2,), m."""
         return replace(self, operation=acting, ring=ring)
 
-    def found(self, contacts: Condensed, place: np.ndarray) -> TiltedStatics:
+    def found(self, contacts: Condensed, place: np.ndarray) -> Statics:
         """The equilibrium near hub and radii at a place, (n_rollers + 2,), m. NotFound: there is none."""
         own = np.repeat([law.meshed for law in self.laws], contacts.bearing.n_rollers)
         between = contacts.compliance - np.diag(own)
@@ -81,7 +81,7 @@ def equilibrium(
 
 def solved(
     model: Model, motion: Motion, loads: Loads, start: Equilibrium | None = None, tilted: Tilting | None = None
-) -> tuple[Reduced, np.ndarray, np.ndarray, TiltedStatics | None]:
+) -> tuple[Reduced, np.ndarray, np.ndarray, Statics | None]:
     """The bearing reduced to points, hub and radii, the forces of the points, and what tilts, in equilibrium."""
     bearing, loads, axes = model.bearing, loads._replace(cage_speed=motion.cage_speed), None
     if start is not None:

@@ -2,8 +2,3 @@
 
 Read `slices` first, then `table`.
 """
-
-from lagrange.axial.slices import Axial, contact_tables
-from lagrange.axial.table import ContactTable, SpalledTable
-
-__all__ = ["Axial", "ContactTable", "SpalledTable", "contact_tables"]

@@ -1,10 +1,10 @@
 """Hertz pressures along a tilted roller, by the forces of its slices."""
 
-from dataclasses import dataclass
 from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
+from numpy import ndarray
 
 from lagrange.axial.slices import Axial, Slices
 from lagrange.bearing import Bearing
@@ -23,7 +23,7 @@ SLOPES, DEPTHS = 64, 64  # of which a table of peaks is made: slopes either way,
 FORCES, PLACES = 128, 512  # steps of the table, of √Q and of M/Q
 
 
-def pressures(slices: Slices, pair: Pair, approach, slope, sunk=0.0) -> np.ndarray:
+def pressures(slices: Slices, pair: Pair, approach, slope, sunk=0.0) -> ndarray:
     """Largest pressure of each slice, (..., n), Pa, by approach, m, and slope, rad, of contacts, (...,).
 
     Each slice has Hertz's pressure across: p0 = √(q E*/(π R)), q its force by its width; `sunk` : m, of the part of the
@@ -33,12 +33,12 @@ def pressures(slices: Slices, pair: Pair, approach, slope, sunk=0.0) -> np.ndarr
     return _hertz(pair, slices.count * slices.forces(approach, slope, sunk))
 
 
-def _hertz(pair: Pair, force: np.ndarray) -> np.ndarray:
+def _hertz(pair, force):
     """p0, Pa, under forces on the whole length, N."""
     return np.sqrt(force / (np.pi * pair.relative_radius * pair.length) * pair.modulus)
 
 
-def pressures_under(slices: Slices, pair: Pair, force, moment, sunk, closed) -> tuple[np.ndarray, np.ndarray]:
+def pressures_under(slices: Slices, pair: Pair, force, moment, sunk, closed) -> tuple[ndarray, ndarray]:
     """Pressures on the slices of contacts that bear forces, N, and moments, N m, (..., n), Pa, and their slopes, rad.
 
     force, moment, sunk : (...,), `sunk` as of `pressures`; closed : (...,), which contacts are meant; others get 0.
@@ -57,12 +57,12 @@ class Ends(NamedTuple):
     A drop a ln[1/(1 − s²)] bears a line load π E* a/2 up to the very end, which is Lundberg's even one, and no more.
     """
 
-    drop: np.ndarray  # (2,), m, of roller and raceway at −L/2 and L/2; infinite where it is such a logarithm
+    drop: ndarray  # (2,), m, of roller and raceway at −L/2 and L/2; infinite where it is such a logarithm
     even: float  # N, that load times the roller's length
     pair: Pair | None = None  # of a contact with `knees`
-    knees: np.ndarray = np.zeros((2, 0))  # places, m, and by how much measured profiles bend there, rad
+    knees: ndarray = np.zeros((2, 0))  # places, m, and by how much measured profiles bend there, rad
 
-    def are_loaded(self, slices: Slices, whole: np.ndarray) -> np.ndarray:
+    def are_loaded(self, slices: Slices, whole: ndarray) -> ndarray:
         """Whether an edge is, (...,), by slices' forces times their number, (..., n), N.
 
         A contact that ends before a finite drop does must fade in its last slice, or slices do not see how it ends.
@@ -95,20 +95,19 @@ def profile_ends(bearing: Bearing, axial: Axial) -> tuple[Ends, Ends]:
     return found[0], found[1]
 
 
-def borne(pair: Pair, pressure: np.ndarray) -> np.ndarray:
+def borne(pair: Pair, pressure: ndarray) -> ndarray:
     """Forces of slices times their number, N, by their pressures, Pa."""
     return np.pi * pair.relative_radius * pair.length * pressure**2 / pair.modulus
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PeakTable:
+class PeakTable(NamedTuple):
     """Largest pressure of a contact by its force and moment, at equal steps of √Q and of M/Q."""
 
     root: float  # √N, of the largest force
     arm: float  # m, of the last slice: the largest M/Q
-    peaks: np.ndarray  # (forces, places), Pa; NaN where an edge is loaded
+    peaks: ndarray  # (forces, places), Pa; NaN where an edge is loaded
 
-    def at(self, force, moment) -> np.ndarray:
+    def at(self, force, moment) -> ndarray:
         """Pa, by forces, N, and moments, N m, of one shape; 0 of open contacts, NaN where an edge is loaded."""
         from scipy.ndimage import map_coordinates
 
@@ -148,7 +147,7 @@ def exerted(slices: Slices, force, moment):
     return np.clip(moment, -most, most)
 
 
-def placed(slices: Slices, force, moment, sunk=0.0) -> tuple[np.ndarray, np.ndarray]:
+def placed(slices: Slices, force, moment, sunk=0.0) -> tuple[ndarray, ndarray]:
     """Approaches, m, and slopes, rad, of contacts that bear forces, N, > 0, and moments, N m, of one shape.
 
     `sunk` : as of `pressures`. ValueError: a moment is more than the force at a roller's end, or nothing is found.

@@ -7,9 +7,10 @@ files hold the slices of elastic bodies, from which pressures along rollers foll
 
 from dataclasses import dataclass, replace
 from math import ceil, inf
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 import numpy as np
+from numpy import ndarray
 
 from lagrange.axial.table import ContactTable, SpalledTable, TiltedContact, spline_coefficients
 from lagrange.bearing import Bearing
@@ -40,8 +41,7 @@ LineLaw = PowerLaw | LogarithmicLaw
 Laws = tuple[LineLaw, LineLaw]  # of the inner and the outer contact
 
 
-@dataclass(frozen=True, kw_only=True)
-class Profile:
+class Profile(NamedTuple):
     """Drop of one surface along the roller's length, from its middle. SI."""
 
     kind: Literal["none", "logarithmic", "crowned", "lundberg", "measured"] = "none"
@@ -50,7 +50,7 @@ class Profile:
     place: tuple[float, ...] = ()  # m from the middle, of "measured", rising
     depth: tuple[float, ...] = ()  # m, there
 
-    def drop(self, z, bearing: Bearing) -> np.ndarray:
+    def drop(self, z, bearing: Bearing) -> ndarray:
         """P(z), m, >= 0, z in m from the roller's middle, shape of z; infinite at the ends of logarithmic profiles.
 
         Source: ISO/TS 16281:2008 (42) to (44); Lundberg 1939, P = Q/(π E* L) ln[1/(1 − (2z/L)²)].
@@ -65,7 +65,7 @@ class Profile:
         return np.interp(z, self.place, self.depth) if self.kind == "measured" else np.zeros(z.shape)
 
     @property
-    def knees(self) -> np.ndarray:
+    def knees(self) -> ndarray:
         """Where a measured profile bends outwards, m, and by how much, rad, (2, n)."""
         bend = np.diff(np.diff(self.depth) / np.diff(self.place))
         return np.array([self.place[1:-1], bend])[:, bend > 0.0] if self.place else np.zeros((2, 0))
@@ -79,13 +79,13 @@ class Profile:
         return self.load if self.kind == "lundberg" else 0.0
 
 
-def _even_drop(bearing: Bearing) -> float:
+def _even_drop(bearing):
     """1/(π E* L), m/N: of Lundberg's profile, by its load."""
     compliance = 1.0 / bearing.roller.plane_strain_modulus + 1.0 / bearing.inner_ring.plane_strain_modulus
     return compliance / (np.pi * bearing.roller_length)
 
 
-def logarithmic_drop(x, length: float, diameter: float) -> np.ndarray:
+def logarithmic_drop(x, length: float, diameter: float) -> ndarray:
     """P(x) of the standard's logarithmic profile, in the unit of x, length and diameter.
 
     Source: ISO/TS 16281:2008 (42), of long rollers (43), (44).
@@ -97,18 +97,18 @@ def logarithmic_drop(x, length: float, diameter: float) -> np.ndarray:
     return 0.0005 * diameter * _falling(np.maximum(2.0 * np.abs(x) - straight, 0.0) / (LONG * diameter))
 
 
-def _falling(share: np.ndarray) -> np.ndarray:
+def _falling(share):
     """ln[1/(1 − s²)]; infinite from s = 1 on."""
     with np.errstate(divide="ignore"):
         return -np.log(np.maximum(1.0 - share**2, 0.0))
 
 
-def centres(length: float, slices: int) -> np.ndarray:
+def centres(length: float, slices: int) -> ndarray:
     """z of the middles of equal slices of a length from its middle, (slices,)."""
     return (np.arange(slices) + 0.5 - 0.5 * slices) * length / slices
 
 
-def slices_over(bearing: Bearing, slices: int, spall: Spall) -> np.ndarray:
+def slices_over(bearing: Bearing, slices: int, spall: Spall) -> ndarray:
     """Which slices of a roller have their middles over a spall, (slices,)."""
     z, (first, last) = centres(bearing.roller_length, slices), spall.along or (-np.inf, np.inf)
     near = ROUND_OFF * bearing.roller_length
@@ -133,21 +133,21 @@ class Axial:
         """Whether the hub's slope moves, and is not prescribed."""
         return self.hub_tilt_inertia is not None
 
-    def centres(self, bearing: Bearing) -> np.ndarray:
+    def centres(self, bearing: Bearing) -> ndarray:
         """z of the slices' middles from the roller's middle, (slices,), m."""
         return centres(bearing.roller_length, self.slices)
 
-    def drops(self, bearing: Bearing) -> np.ndarray:
+    def drops(self, bearing: Bearing) -> ndarray:
         """Drop of roller and raceway together at the slices' middles, inner and outer contact, (2, slices), m."""
         z, raceways = self.centres(bearing), (self.inner_raceway, self.outer_raceway)
         return np.stack([self.roller.drop(z, bearing) + raceway.drop(z, bearing) for raceway in raceways])
 
-    def parts(self, bearing: Bearing) -> tuple[np.ndarray | None, np.ndarray | None]:
+    def parts(self, bearing: Bearing) -> tuple[ndarray | None, ndarray | None]:
         """Which slices spalls of part of the length let sink, inner and outer contact, (slices,) each; None: no such.
 
         A spall takes the slices whose middles it goes over. All that one raceway's contacts meet take the same.
         """
-        found: dict[str, np.ndarray] = {}
+        found: dict[str, ndarray] = {}
         for spall in bearing.faults:
             if isinstance(spall, Spall) and spall.is_part(bearing):
                 for ring in ("inner_ring", "outer_ring") if spall.body == "roller" else (spall.body,):
@@ -160,10 +160,10 @@ class Slices:
     """The slices of one contact. SI."""
 
     law: LineLaw  # of the whole length
-    place: np.ndarray  # (n,), z of their middles
-    drop: np.ndarray  # (n,), of roller and raceway together
-    coupling: np.ndarray | None = None  # C, (n, n), m/N; None: each is alone
-    part: np.ndarray | None = None  # (n,), bool, which of them spalls of part of the length let sink; None: none
+    place: ndarray  # (n,), z of their middles
+    drop: ndarray  # (n,), of roller and raceway together
+    coupling: ndarray | None = None  # C, (n, n), m/N; None: each is alone
+    part: ndarray | None = None  # (n,), bool, which of them spalls of part of the length let sink; None: none
 
     last_approach: ClassVar[float] = inf
     has_part: ClassVar[bool] = False
@@ -177,11 +177,11 @@ class Slices:
         """Those of a contact in whose part of the length that spalls take nothing bears."""
         return replace(self, drop=-self.approaches(0.0, 0.0, OUT_OF_REACH), part=None)
 
-    def opening(self, slope) -> np.ndarray:
+    def opening(self, slope) -> ndarray:
         """The approach, m, from which on a contact of this slope, rad, is closed."""
         return np.min(self.drop + np.asarray(slope)[..., None] * self.place, axis=-1)
 
-    def approach_under(self, force, slope) -> np.ndarray:
+    def approach_under(self, force, slope) -> ndarray:
         """Of contacts with slopes, rad, each under a force, N, of shapes that go together; m.
 
         Newton's method from above: the force is convex in the approach.
@@ -198,12 +198,12 @@ class Slices:
                 break
         return place
 
-    def approaches(self, approach, slope, sunk=0.0) -> np.ndarray:
+    def approaches(self, approach, slope, sunk=0.0) -> ndarray:
         """Of the slices, (..., n), m: δ − P − ψ z, less what those of `part` have sunk, (...,), m."""
         found = np.asarray(approach)[..., None] - self.drop - np.asarray(slope)[..., None] * self.place
         return found if self.part is None else found - np.asarray(sunk)[..., None] * self.part
 
-    def forces(self, approach, slope, sunk=0.0) -> np.ndarray:
+    def forces(self, approach, slope, sunk=0.0) -> ndarray:
         """Of the slices, (..., n), N, by approach, m, slope, rad, and what those of `part` have sunk, m, (...,).
 
         RuntimeError: coupled slices do not settle; they are narrower than their contacts.
@@ -219,7 +219,7 @@ class Slices:
         """Energy, force and moment of contacts, (...,), without the other derivatives."""
         return self._summed(self.approaches(approach, slope, sunk), self.forces(approach, slope, sunk))
 
-    def _summed(self, deep: np.ndarray, forces: np.ndarray) -> TiltedContact:
+    def _summed(self, deep, forces):
         if self.coupling is None:
             energy = self.law.potential(deep).mean(axis=-1)
         else:
@@ -245,7 +245,7 @@ class Slices:
         )  # fmt: skip
 
 
-def _coupled(law: LineLaw, coupling: np.ndarray, deep: np.ndarray) -> np.ndarray:
+def _coupled(law, coupling, deep):
     """Forces, (m, n), N, of slices that yield to each other too, by approaches, (m, n), m.
 
     Newton's method on w + C F(w) = d, w the approach that the plane law sees: slices with w < 0 are open.
@@ -265,7 +265,7 @@ def _coupled(law: LineLaw, coupling: np.ndarray, deep: np.ndarray) -> np.ndarray
 
 
 def contact_slices(
-    bearing: Bearing, axial: Axial, laws: Laws, couplings: tuple[np.ndarray, np.ndarray] | None = None
+    bearing: Bearing, axial: Axial, laws: Laws, couplings: tuple[ndarray, ndarray] | None = None
 ) -> tuple[Slices, Slices]:
     """The slices of the inner and the outer contact.
 
@@ -279,7 +279,7 @@ def contact_slices(
 
 def contact_tables(
     bearing: Bearing, axial: Axial, laws: Laws, largest_force: float, largest_slope: float,
-    couplings: tuple[np.ndarray, np.ndarray] | None = None,
+    couplings: tuple[ndarray, ndarray] | None = None,
 ) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:  # fmt: skip
     """Tables of the inner and the outer contact, where all rollers are alike; parameters beside `contact_slices`'s:
 
@@ -337,7 +337,7 @@ def without_part(slices: Slices, whole: ContactTable) -> ContactTable:
     return _on_grid(slices.bare, whole.first_approach, whole.approach_step, rows, whole.slope_step, columns // 2)
 
 
-def _on_grid(slices: Slices, first: float, step: float, count: int, by_slope: float, half: int) -> ContactTable:
+def _on_grid(slices, first, step, count, by_slope, half):
     """The table through u at knots: first approach, its step, m, and their number; step of slope, rad, either way.
 
     Where the contact is open u goes on as −u of the same depth beyond the opening: no kink there that a spline would
@@ -386,5 +386,5 @@ def read_slices(file: "h5py.File", bearing: Bearing, axial: Axial) -> tuple[Slic
         S, B, most = numbers
         law = LogarithmicLaw(name="series", compliance=S, level=B, largest_force=most, source="plane series")
         found.append((law, coupling))
-    (inner, of_inner), (outer, of_outer) = found
-    return contact_slices(bearing, axial, (inner, outer), (of_inner, of_outer))
+    laws, couplings = zip(*found, strict=True)
+    return contact_slices(bearing, axial, laws, couplings)

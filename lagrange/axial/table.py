@@ -6,9 +6,14 @@ costs the same at any number of slices, and conserves energy as the plane law do
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple, Protocol
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
 
 import numpy as np
+from numpy import ndarray
+
+if TYPE_CHECKING:
+    pass
 
 SPAN = 4  # coefficients that a cubic B-spline adds up in a point
 FAINT = 1e-20  # m/N: less, a spline's ringing beside edges, moves no contact
@@ -19,16 +24,16 @@ NEWTON_STEPS, SETTLED = 60, 1e-8  # of the approach that a compliance takes: wha
 class TiltedContact(NamedTuple):
     """A contact's energy and its derivatives, shape of the approaches."""
 
-    energy: np.ndarray  # U, J
-    force: np.ndarray  # Q = ∂U/∂δ, N
-    moment: np.ndarray  # M = −∂U/∂ψ, N m
-    stiffness: np.ndarray = NOTHING  # ∂Q/∂δ, N/m
-    cross: np.ndarray = NOTHING  # ∂Q/∂ψ = −∂M/∂δ, N/rad
-    tilt_stiffness: np.ndarray = NOTHING  # −∂M/∂ψ, N m/rad
-    part: np.ndarray = NOTHING  # −∂U/∂h, N, of the force what slices bear that spalls have sunk by h
+    energy: ndarray  # U, J
+    force: ndarray  # Q = ∂U/∂δ, N
+    moment: ndarray  # M = −∂U/∂ψ, N m
+    stiffness: ndarray = NOTHING  # ∂Q/∂δ, N/m
+    cross: ndarray = NOTHING  # ∂Q/∂ψ = −∂M/∂δ, N/rad
+    tilt_stiffness: ndarray = NOTHING  # −∂M/∂ψ, N m/rad
+    part: ndarray = NOTHING  # −∂U/∂h, N, of the force what slices bear that spalls have sunk by h
     # −∂U/∂s, N², by the compliance of edges across the whole length, and of those of the part that spalls take
-    edges: np.ndarray = NOTHING
-    part_edges: np.ndarray = NOTHING
+    edges: ndarray = NOTHING
+    part_edges: ndarray = NOTHING
 
 
 SUMMED = 6  # of these, which the sum of two contacts has by their sums
@@ -46,7 +51,7 @@ class ContactTable:
     approach_step: float
     first_slope: float  # rad
     slope_step: float
-    coefficients: np.ndarray  # (n_approaches, n_slopes), J^½
+    coefficients: ndarray  # (n_approaches, n_slopes), J^½
 
     has_part: ClassVar[bool] = False
 
@@ -54,6 +59,15 @@ class ContactTable:
     def last_approach(self) -> float:
         """The largest approach, m, that the table holds."""
         return self.first_approach + (self.coefficients.shape[0] - 3) * self.approach_step
+
+    @cached_property
+    def _spline(self):
+        from scipy.interpolate import NdBSpline
+
+        axes = (self.first_approach, self.approach_step), (self.first_slope, self.slope_step)
+        sizes = zip(axes, self.coefficients.shape, strict=True)
+        knots = tuple(first + step * np.arange(1 - SPAN, n + 1) for (first, step), n in sizes)
+        return NdBSpline(knots, self.coefficients, SPAN - 1)
 
     def at(self, approach, slope) -> TiltedContact:
         """Energy, force, moment and their derivatives at approaches, m, and slopes, rad, of any shape.
@@ -64,13 +78,8 @@ class ContactTable:
         within = np.clip(approach, self.first_approach, self.last_approach)
         last_slope = self.first_slope + (self.coefficients.shape[1] - 3) * self.slope_step
         straight = np.clip(slope, self.first_slope, last_slope)
-        rows, by_row = _weights(within, self.first_approach, self.approach_step, self.coefficients.shape[0])
-        columns, by_column = _weights(straight, self.first_slope, self.slope_step, self.coefficients.shape[1])
-        near = self.coefficients[rows[..., :, None], columns[..., None, :]]
-        u, d, p, dd, dp, pp = (
-            np.einsum("...ij,...i,...j->...", near, by_row[i], by_column[j])
-            for i, j in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
-        )
+        orders, at = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)), np.stack([within, straight], axis=-1)
+        u, d, p, dd, dp, pp = (self._spline(at, nu=order) for order in orders)
         beyond, aside = approach - within, slope - straight
         u = u + d * beyond + p * aside + dp * beyond * aside
         d, p = d + dp * aside, p + dp * beyond
@@ -151,30 +160,18 @@ class SpalledTable:
         """As `ContactTable.at`; `sunk` : h, m; compliances : m/N, of edges across the whole length, and of the part's,
         both as if these were across the whole length."""
 
-        def of_part(approach, slope) -> TiltedContact:
-            both = zip(self.whole.at(approach, slope)[:SUMMED], self.rest.at(approach, slope)[:SUMMED], strict=True)
-            return TiltedContact(*(every - rest for every, rest in both))
+        def of_part(approach, slope):
+            every, rest = (law.at(approach, slope)[:SUMMED] for law in (self.whole, self.rest))
+            return TiltedContact(*np.subtract(every, rest))
 
         of_rest = in_series(self.rest.at, approach, slope, compliance / (1.0 - self.share))
         part = in_series(of_part, approach - sunk, slope, (compliance + part_compliance) / self.share)
         edges, part_edges = of_rest.edges / (1.0 - self.share), part.edges / self.share
-        sums = (rest + own for rest, own in zip(of_rest[:SUMMED], part[:SUMMED], strict=True))
-        return TiltedContact._make([*sums, part.force, edges + part_edges, part_edges])
+        sums = np.add(of_rest[:SUMMED], part[:SUMMED])
+        return TiltedContact(*sums, part.force, edges + part_edges, part_edges)
 
 
-def _weights(x: np.ndarray, first: float, step: float, n: int) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
-    """Indices of the coefficients that count at x, (..., SPAN), and their weights in value and two derivatives."""
-    position = (x - first) / step
-    base = np.clip(np.floor(position).astype(int), 0, n - SPAN)
-    t = position - base
-    r = 1.0 - t
-    value = np.stack([r**3, 4.0 - 3.0 * t * t * (2.0 - t), 4.0 - 3.0 * r * r * (2.0 - r), t**3], axis=-1) / 6.0
-    slope = 0.5 * np.stack([-r * r, t * (3.0 * t - 4.0), -r * (3.0 * r - 4.0), t * t], axis=-1) / step
-    bend = np.stack([r, 3.0 * t - 2.0, 3.0 * r - 2.0, t], axis=-1) / step**2
-    return base[..., None] + np.arange(SPAN), (value, slope, bend)
-
-
-def spline_coefficients(values: np.ndarray) -> np.ndarray:
+def spline_coefficients(values: ndarray) -> ndarray:
     """Of cubic B-splines through the values of each column at equally spaced knots; no bend beyond their ends."""
     from scipy.linalg import solve_banded
 

@@ -7,7 +7,6 @@ Source: Hertz 1881; Johnson, Contact Mechanics (1985), chapter 4; Harris, Rollin
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import exp, pi, sqrt
 from typing import Literal, NamedTuple
 
@@ -33,8 +32,7 @@ def compliances(bearing: Bearing, side: Side) -> tuple[float, float]:
     return 1.0 / bearing.roller.plane_strain_modulus, 1.0 / ring.plane_strain_modulus
 
 
-@dataclass(frozen=True, kw_only=True)
-class Pair:
+class Pair(NamedTuple):
     """Two bodies that may touch: side 0 is the ring, or roller j; side 1 the roller, or roller j + 1."""
 
     kind: str  # inner, outer (raceway) or roller
@@ -122,7 +120,7 @@ def ellipticity(difference: float) -> float:
     if difference < NEARLY_CIRCULAR:
         return (1.0 - 8.0 / 3.0 * difference) ** -0.5
 
-    def missed(log_ratio: float) -> float:
+    def missed(log_ratio):
         p = exp(-2.0 * log_ratio)
         K, E = _elliptic_integrals(p)
         return ((1.0 + p) * E - 2.0 * p * K) / ((1.0 - p) * E) - difference
@@ -138,17 +136,16 @@ def _elliptic_integrals(p):
     return ellipkm1(p), ellipe(1.0 - p)
 
 
-def delta_star(difference):
-    """Dimensionless approach δ*(F), figure 4 of the paper; F a number or an array.
+def delta_star(difference: float) -> float:
+    """Dimensionless approach δ*(F), figure 4 of the paper.
 
     ValueError: F outside [0, 1). About 1e-12 relative; Harris' printed table agrees to its last digit, 3e-4.
 
     Source: Harris, Rolling Bearing Analysis: δ* = (2K/π)(π/(2κ²E))^(1/3).
     """
-    p = np.array([ellipticity(float(F)) for F in np.ravel(difference)]).reshape(np.shape(difference)) ** -2.0
+    p = ellipticity(difference) ** -2.0
     K, E = _elliptic_integrals(p)
-    value = 2.0 / pi * K * (0.5 * pi * p / E) ** (1.0 / 3.0)
-    return float(value) if np.ndim(difference) == 0 else value
+    return float(2.0 / pi * K * (0.5 * pi * p / E) ** (1.0 / 3.0))
 
 
 def ball_stiffness(bearing: BallBearing, side: Side) -> float:
@@ -188,8 +185,7 @@ FATIGUE = 1500e6  # Pa, at ISO 281's C_u, of usual bearing steels
 DEPTHS = np.linspace(0.0, 3.0, 30_001)  # over the half-width
 
 
-@dataclass(frozen=True, kw_only=True)
-class LineContact:
+class LineContact(NamedTuple):
     """One contact under its force; m, Pa."""
 
     peak_pressure: float

@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import exp, log, pi
-from typing import NamedTuple
+from math import exp, inf, log, pi
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from lagrange.axial.table import TiltedContact
 from lagrange.bearing import BallBearing, Bearing
 from lagrange.contact.hertz import Side, ball_stiffness, compliances, contact_pairs
 
@@ -14,8 +15,19 @@ LOGARITHM_STEPS = 4  # of Newton's method from u = L + ln L, error 0.2 at most: 
 SHALLOWEST = 1e-250  # m, keeps the logarithm of an open contact finite
 
 
+class Line:
+    """What laws of contacts along parallel axes are where contacts may be tilted: `lagrange.axial.table.TiltedLaw`."""
+
+    has_part, last_approach = False, inf
+
+    def at(self: Any, approach, slope=0.0) -> TiltedContact:
+        """Without a moment, whatever the slope."""
+        none = np.zeros(np.shape(approach))
+        return TiltedContact(self.potential(approach), self.force(approach), none, self.slope(approach), none, none)
+
+
 @dataclass(frozen=True, kw_only=True)
-class PowerLaw:
+class PowerLaw(Line):
     """Q = K δ^n for δ > 0, else 0: the load-zone condition (24), (25). δ in m, Q in N, of any shape."""
 
     name: str
@@ -47,7 +59,7 @@ class PowerLaw:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LogarithmicLaw:
+class LogarithmicLaw(Line):
     """δ = S Q (B − ln Q), Q in N: the line contact of elastic cylinders. Same methods as `PowerLaw`.
 
     Beyond `largest_force` (half-width above half the roller's radius, far outside Hertz's theory) the law goes on along
@@ -98,54 +110,6 @@ class LogarithmicLaw:
         for _ in range(LOGARITHM_STEPS):
             u = u * (target + np.log(u) - 1.0) / (u - 1.0)
         return depth, inside, u
-
-
-MOST_STEPS = 60  # of Newton's method; 3 to 6 are usual
-SETTLED = 1e-10  # of the approach: what is left is of its square
-SLOWEST = 0.1  # of itself: what the law's own approach keeps in a step, at least
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Softened:
-    """A law in series with compliances, as of edges. Same methods; approaches and forces go with these' shape."""
-
-    law: PowerLaw | LogarithmicLaw
-    compliance: np.ndarray | float  # c, m/N, >= 0
-
-    def force(self, approach):
-        return self.law.force(self._own(approach))
-
-    def approach(self, force):
-        return self.law.approach(force) + self.compliance * np.asarray(force)
-
-    def slope(self, approach):
-        slope = self.law.slope(self._own(approach))
-        return slope / (1.0 + self.compliance * slope)
-
-    def potential(self, approach):
-        own = self._own(approach)
-        return self.law.potential(own) + 0.5 * self.compliance * self.law.force(own) ** 2
-
-    def _own(self, approach):
-        """The law's share of an approach, m, by Newton's method to round-off; all of it where it is open."""
-        depth, soft = np.broadcast_arrays(np.asarray(approach, dtype=float), self.compliance)
-        own = depth.flatten()
-        left = np.flatnonzero((depth > 0.0) & (soft != 0.0))  # each until it has settled, whatever stands beside it
-        depth, soft, shape = depth.ravel()[left], soft.ravel()[left], depth.shape
-        for _ in range(MOST_STEPS):
-            if not left.size:
-                break
-            now = own[left]
-            step = (now + soft * self.law.force(now) - depth) / (1.0 + soft * self.law.slope(now))
-            own[left] = now = np.maximum(now - step, SLOWEST * now)
-            moves = np.abs(step) > SETTLED * now
-            left, depth, soft = left[moves], depth[moves], soft[moves]
-        return own.reshape(shape)
-
-
-def softened(law: PowerLaw | LogarithmicLaw, compliance: np.ndarray | float) -> PowerLaw | LogarithmicLaw | Softened:
-    """The law itself where the compliance, m/N, is the number 0."""
-    return law if isinstance(compliance, float) and compliance == 0.0 else Softened(law=law, compliance=compliance)
 
 
 class ContactLaws(NamedTuple):
@@ -243,7 +207,7 @@ def contact_laws(name: str, bearing: Bearing) -> ContactLaws:
     return ContactLaws(_law(name, bearing, "inner"), _law(name, bearing, "outer"))
 
 
-def _law(name: str, bearing: Bearing, side: Side) -> PowerLaw | LogarithmicLaw:
+def _law(name, bearing, side):
     """One of `law_names`. Those fitted to the elastic line contact have c = (1 − ν²)/E of both bodies' mean.
 
     Sources: Houpert, An Engineering Approach to Hertzian Contact Elasticity, ASME J. Tribology 123 (2001), second hand;

@@ -51,12 +51,12 @@ def private_folder(path: Path) -> Path:
     return real
 
 
-def _check_owner(path: str | Path, about: os.stat_result) -> None:
+def _check_owner(path, about):
     if hasattr(os, "geteuid") and about.st_uid not in (0, os.geteuid()):
         raise PermissionError(errno.EPERM, "belongs to another user", str(path))
 
 
-def _is_open(about: os.stat_result) -> bool:
+def _is_open(about):
     """Whether others can write a file or folder, on systems that keep rights in modes."""
     return hasattr(os, "geteuid") and bool(about.st_mode & (stat.S_IWGRP | stat.S_IWOTH))
 

@@ -116,7 +116,7 @@ def remove_left(path: Path) -> None:
                 entry.unlink()
 
 
-def _start(path: Path) -> str:
+def _start(path):
     """What the names of its parts begin with, of one length, so that a name that the disk takes has parts."""
     return f".roller-bearing-{hashlib.sha256(os.fsencode(path.name)).hexdigest()[:8]}-"
 

@@ -11,10 +11,10 @@ import csv
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import takewhile
 
 import numpy as np
 
+from lagrange.errors import exceeds
 from lagrange.files.input import FOREIGN, not_text
 from lagrange.messages import shown
 
@@ -134,7 +134,7 @@ class TextTable:
             at, number = end, number + len(lines)
         return np.concatenate(found)
 
-    def _loaded(self, rows: list[str], wanted: Sequence[int]) -> np.ndarray | None:
+    def _loaded(self, rows, wanted):
         """Numbers of rows as they stand; None: one has other cells than there are names, or can't be read."""
         if not rows:
             return np.empty((0, len(wanted)))
@@ -149,7 +149,7 @@ class TextTable:
         except ValueError:
             return None
 
-    def _row(self, number: int, line: str, wanted: Sequence[int]) -> list[float]:
+    def _row(self, number, line, wanted):
         cells, width = _cells(line, self.delimiter), len(self.names)
         too_few = len(cells) <= max(wanted) or (self.delimiter is None and len(cells) < width)
         if any(cells[width:]) or (self.keyed and too_few):
@@ -198,7 +198,25 @@ def columns(
     return found * [factor for _, factor in written]
 
 
-def _in_units(name: str, headers: list[str], units: Mapping[str, float]) -> tuple[str, float]:
+def rising(
+    text: str, names: Sequence[str], decimal: str, fewest: int, most: int = MOST_ROWS, step: float = 0.0,
+    units: Mapping[str, Mapping[str, float]] | None = None
+) -> np.ndarray:
+    """`columns` of finite numbers, the first of which rise from row to row, by a step at least where one is given."""
+    found = columns(text, names, decimal, units)
+    if not fewest <= len(found) <= most:
+        limit = f"at least {fewest} are needed" if len(found) < fewest else f"at most {most} are allowed"
+        raise ValueError(f"it holds {len(found)} rows; {limit}")
+    if not (sound := np.isfinite(found).all(axis=1)).all():
+        raise ValueError(f"row {1 + int(np.argmin(sound))} holds a value that is not finite")
+    steps = np.diff(found[:, 0])
+    if (short := exceeds(step, steps) | (steps <= 0.0)).any():
+        (before, after), by = found[np.argmax(short) :, 0][:2], f"by at least {step:g} " if step else ""
+        raise ValueError(f"{names[0]} must rise {by}from row to row: after {before:g} comes {after:g}")
+    return found
+
+
+def _in_units(name, headers, units):
     """How a header names a column, and the factor to its own unit. ValueError: twice, or in an unknown unit."""
     bare = name.partition("_")[0]
     found = {header: units[unit] for header in headers for unit in units if re.fullmatch(
@@ -211,23 +229,23 @@ def _in_units(name: str, headers: list[str], units: Mapping[str, float]) -> tupl
     return next(iter(found.items()), (name, 1.0))
 
 
-def _with_line_feeds(text: str) -> str:
+def _with_line_feeds(text):
     """A text whose lines end by one line feed, without what is blank at its end."""
     if "\r" in text:
         text = text.replace("\r\r\n", "\n").replace("\r\n", "\n").replace("\r", "\n")
     return text.rstrip(" \t\n\x1a")
 
 
-def _check_lengths(lines: list[str]) -> None:
+def _check_lengths(lines):
     if max(map(len, lines), default=0) > LONGEST_LINE:
         raise ValueError(f"a line of more than {LONGEST_LINE} characters; a table has one row in each line")
 
 
-def _is_note(line: str, keyed: bool = False) -> bool:
+def _is_note(line, keyed=False):
     return line.startswith("#" if keyed else ("#", "%")) and not line.lower().startswith(ERRORS)
 
 
-def _names(header: str) -> tuple[list[str], str | None]:
+def _names(header):
     """Names and the delimiter of a header; between blanks a unit in brackets belongs to the name before it."""
     _check_lengths([header])
     delimiter = next((character for character in "\t;," if character in header), None)
@@ -237,7 +255,7 @@ def _names(header: str) -> tuple[list[str], str | None]:
     return found, delimiter
 
 
-def _cells(line: str, delimiter: str | None) -> list[str]:
+def _cells(line, delimiter):
     """Cells of a line, without blanks about them; an empty one at its end is none."""
     if delimiter is None:
         return line.split()
@@ -246,7 +264,7 @@ def _cells(line: str, delimiter: str | None) -> list[str]:
     return cells[:-1] if cells and not cells[-1] else cells
 
 
-def _number(cell: str, decimal: str, may_miss: bool) -> float | None:
+def _number(cell, decimal, may_miss):
     """The number of a cell, nan where it may hold none; None: something else."""
     if may_miss and cell.lower() in MISSING:
         return float("nan")
@@ -258,7 +276,7 @@ def _number(cell: str, decimal: str, may_miss: bool) -> float | None:
         return None
 
 
-def _form(lines: Sequence[str]) -> tuple[int, str | None, str]:
+def _form(lines):
     """Number of the first row of numbers, the delimiter (None: blanks) and the decimal sign."""
     forms = []
     for delimiter, decimal in FORMS:
@@ -282,20 +300,20 @@ def _form(lines: Sequence[str]) -> tuple[int, str | None, str]:
     return first, delimiter, decimal
 
 
-def _width(line: str, delimiter: str | None, decimal: str) -> int | None:
+def _width(line, delimiter, decimal):
     """How many cells a row of numbers has; 0: it is none; None: a note, or all its numbers are missing."""
     cells = _cells(line, delimiter)
     if len(cells) > MOST_COLUMNS:
         return 0
     if _is_note(line):
         return None
-    values = list(takewhile(lambda value: value is not None, (_number(cell, decimal, True) for cell in cells)))
-    if len(values) < len(cells):
+    values = [_number(cell, decimal, True) for cell in cells]
+    if None in values:
         return 0
     return len(cells) if any(value == value for value in values) else None
 
 
-def _heads(before: list[str], delimiter: str | None, width: int) -> tuple[list[str], dict[str, str]]:
+def _heads(before, delimiter, width):
     """Names and units of columns from the lines before them; numbers where there are none."""
     fitting = [cells for cells in (_cells(line, delimiter) for line in before[-4:]) if len(cells) == width]
     fitting = [cells for cells in fitting if not all(cell.lower() in MISSING for cell in cells)]  # a first row

@@ -6,6 +6,7 @@ friction differ by a quarter or so: no number of friction is better than ±30 %.
 
 from dataclasses import dataclass
 from math import asin, exp, pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -48,7 +49,7 @@ class Dimensions:
         )  # fmt: skip
 
 
-def _refuse_unrated(bearing: Bearing) -> None:
+def _refuse_unrated(bearing):
     if bearing.missing:
         raise Unavailable("ratings are those of complete bearings; rollers of this one are missing")
     for material in (bearing.roller, bearing.inner_ring, bearing.outer_ring):
@@ -144,8 +145,7 @@ OPEN_GROOVES = 0.52, 0.53  # of a ball's diameter, inner and outer: ISO 281 rate
 ROUNDING = 1e-6
 
 
-@dataclass(frozen=True, kw_only=True)
-class Basic:
+class Basic(NamedTuple):
     """Basic ratings of a bearing, of rollers or balls, all rows together."""
 
     dynamic: float  # C
@@ -291,8 +291,7 @@ HEAT_FLOW, HEATED = 0.016, 50.0  # W/mm², at so many K above the surroundings
 LARGEST_SURFACE = 50_000.0  # mm², for which that heat flow holds
 
 
-@dataclass(frozen=True, kw_only=True)
-class Torque:
+class Torque(NamedTuple):
     """Parts that depend on the oil's flow and on the load, N mm."""
 
     rolling: float  # SKF: M_rr; Palmgren: M0

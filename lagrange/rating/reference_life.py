@@ -6,9 +6,10 @@ A run's own roller loads and dissipation may stand in the place of assumed ones.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy import ndarray
 
 from lagrange.axial.slices import Slices, centres, logarithmic_drop
 from lagrange.bearing import Bearing, Operation, load_factor
@@ -22,33 +23,32 @@ STIFFNESS = 35948.0  # c_L/L_we^(8/9), N/mm^(10/9)/mm^(8/9), both contacts of a 
 STEPS = 100  # of Newton's method; five are usual
 
 
-def positions(row: Dimensions, laminae: int = LAMINAE) -> np.ndarray:
+def positions(row: Dimensions, laminae: int = LAMINAE) -> ndarray:
     """x_k, (laminae,), mm, of the laminae's middles from the roller's."""
     return centres(row.length, laminae)
 
 
-def laminae_of(row: Dimensions, profile: bool | np.ndarray = True, laminae: int = LAMINAE) -> Slices:
+def laminae_of(row: Dimensions, profile: bool | ndarray = True, laminae: int = LAMINAE) -> Slices:
     """Both contacts of a roller together, N and mm: c_s = 35948 L_we^(8/9)/n_s, (42) to (44).
 
     `profile` : the standard's; False: straight rollers; or the drops of both contacts together at the laminae, mm
     """
     x, K = positions(row, laminae), STIFFNESS * row.length ** (8 / 9)
     law = PowerLaw(name="iso16281", stiffness=K, exponent=EXPONENT, source="ISO/TS 16281")
-    if not isinstance(profile, np.ndarray):
+    if not isinstance(profile, ndarray):
         profile = 2.0 * logarithmic_drop(x, row.length, row.diameter) if profile else np.zeros(laminae)
     return Slices(law=law, place=x, drop=profile)
 
 
-@dataclass(frozen=True, kw_only=True)
-class LaminaLoads:
+class LaminaLoads(NamedTuple):
     """Loads of laminae, (n_rollers, n_laminae), N, under which rigid rings are in equilibrium."""
 
-    loads: np.ndarray
+    loads: ndarray
     displacement: float  # δ_r, mm
     moment: float  # that holds the tilt, N mm
 
     @property
-    def of_rollers(self) -> np.ndarray:
+    def of_rollers(self) -> ndarray:
         """(n_rollers,), N."""
         return self.loads.sum(axis=1)
 
@@ -79,13 +79,13 @@ def rigid_loads(
     return LaminaLoads(loads=force, displacement=float(delta), moment=-float(cos @ (force @ roller.place)))
 
 
-def shared_out(row: Dimensions, loads: np.ndarray) -> np.ndarray:
+def shared_out(row: Dimensions, loads: ndarray) -> ndarray:
     """Loads of LAMINAE, (..., LAMINAE), N, of rollers without tilt under loads, (...), N; the standard's profile."""
     roller, loads = laminae_of(row), np.asarray(loads, dtype=float)
     return roller.forces(roller.approach_under(loads, 0.0), np.zeros(loads.shape)) * (loads > 0.0)[..., None]
 
 
-def edge_factor(laminae: int = LAMINAE) -> np.ndarray:
+def edge_factor(laminae: int = LAMINAE) -> ndarray:
     """f of (60), (laminae,): stress concentration by lamina, 1 in the middle and 2.33 at both ends."""
     k = np.arange(laminae) + 1.0
     argument = 1.985 * np.abs((2.0 * k - laminae - 1.0) / (2.0 * laminae - 2.0))
@@ -119,7 +119,7 @@ def turning_rings(operation: Operation) -> tuple[str, ...]:
 
 
 def reference_life(
-    row: Dimensions, capacity: float, inner: np.ndarray, outer: np.ndarray | None = None, *, turning=("inner",)
+    row: Dimensions, capacity: float, inner: ndarray, outer: ndarray | None = None, *, turning=("inner",)
 ) -> float:
     """L10r, 10⁶ revolutions, under loads of laminae: (58) to (65).
 
@@ -146,13 +146,12 @@ COLUMNS = "time", "inner_x", "inner_y", "roller_x", "roller_y", "inner_force", "
 MOST_SAMPLES = 2000  # of roller loads, evenly chosen: more change no life by 1e-3
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class RunLoads:
+class RunLoads(NamedTuple):
     """Loads of a run over its time."""
 
     cycle: DutyCycle  # resultant of the inner raceway's forces, at each sample
-    inner: np.ndarray  # (n, n_rollers), N
-    outer: np.ndarray
+    inner: ndarray  # (n, n_rollers), N
+    outer: ndarray
     dissipated: float  # W, mean of the second half
     speed: float  # rad/s, mean of one ring against the other
     turning: tuple[str, ...]  # rings, against the load
@@ -172,7 +171,7 @@ class RunLoads:
         return reference_life(row, dynamic_capacity(row), inner, outer, turning=self.turning)
 
 
-def run_loads(bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray]) -> RunLoads:
+def run_loads(bearing: Bearing, operation: Operation, samples: Mapping[str, ndarray]) -> RunLoads:
     """Loads of a run.
 
     samples : COLUMNS of a result file
@@ -189,9 +188,8 @@ def run_loads(bearing: Bearing, operation: Operation, samples: Mapping[str, np.n
         raise Unavailable(
             "the rings of the run do not turn relative to each other; give rate-bearing the scene instead"
         )
-    aside, up = (samples[f"roller_{axis}"] - samples[f"inner_{axis}"][:, None] for axis in "xy")
-    pull = force / np.hypot(aside, up)
-    load = load_factor(bearing) * np.hypot((pull * aside).sum(axis=1), (pull * up).sum(axis=1))
+    x, y = (samples[f"roller_{axis}"] - samples[f"inner_{axis}"][:, None] for axis in "xy")
+    load = load_factor(bearing) * np.abs(np.sum(force * np.exp(1j * np.arctan2(y, x)), axis=1))
     try:
         cycle = DutyCycle(loads=load, speeds=speeds * 30.0 / np.pi, shares=np.ones(time.size))
     except ValueError as error:

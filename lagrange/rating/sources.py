@@ -1,6 +1,7 @@
 """Where formulas of ratings come from, and how sure their constants are; what to say where one can't be used."""
 
-from dataclasses import dataclass
+# fmt: off
+from typing import NamedTuple
 
 from lagrange.errors import UsageError
 
@@ -9,8 +10,7 @@ class Unavailable(UsageError):
     """A rating that can't be computed; the text is the reason, for people."""
 
 
-@dataclass(frozen=True)
-class Source:
+class Source(NamedTuple):
     """Of a formula. `second_hand` says how its constants are known where not from the source itself; "" elsewhere."""
 
     name: str  # short
@@ -27,33 +27,21 @@ _PROGRAMS = "constants as two independent programs quote them"
 _ONE = "constants as one program quotes them"
 _RECALLED = "constants not compared with the source"
 
-DYNAMIC = Source(
-    "ISO 281",
+DYNAMIC = Source("ISO 281",
     "2007, C = b_m f_c (i L_we cos α)^(7/9) Z^(3/4) D_we^(29/27), b_m = 1.1; f_c by ISO/TR 1281-1 (34); of balls "
-    "1.3 f_c (i cos α)^0.7 Z^(2/3) D_w^1.8",
-    f"{_ONE}; b_m not compared with the source",
-)
-STATIC = Source(
-    "ISO 76",
+    "1.3 f_c (i cos α)^0.7 Z^(2/3) D_w^1.8", f"{_ONE}; b_m not compared with the source")
+STATIC = Source("ISO 76",
     "2006, C0 = 44 (1 − D_we cos α/D_pw) i Z L_we D_we cos α; of balls f_0 i Z D_w² cos α; s0 = C0/P0, P0 = F_r",
-    _RECALLED,
-)
-LOAD = Source(
-    "ISO 281", "P = F_r; of a duty cycle by Palmgren and Miner, (Σ n t P^(10/3)/Σ n t)^(3/10); of balls 3 for 10/3"
-)
+    _RECALLED)
+LOAD = Source("ISO 281",
+    "P = F_r; of a duty cycle by Palmgren and Miner, (Σ n t P^(10/3)/Σ n t)^(3/10); of balls 3 for 10/3")
 LIFE = Source("ISO 281", "2007, L10 = (C/P)^(10/3); of balls (C/P)³")
 RELIABILITY = Source("ISO 281", "2007 table 12", _RECALLED)
 VISCOSITY = Source("ISO 281", "2007, κ = ν/ν1; ν1 = 45000 n^−0.83 D_pw^−½, from 1000 1/min 4500 (n D_pw)^−½", _PROGRAMS)
-FATIGUE = Source(
-    "ISO 281",
-    "annex B, C_u = C0/8.2, beyond D_pw = 100 mm times (100/D_pw)^0.3; of balls C0/22 and (100/D_pw)^0.5",
-    _RECALLED,
-)
-A_ISO = Source(
-    "ISO 281",
-    "2007 (34) to (36), radial roller bearings; (31) to (33), radial ball bearings",
-    f"{_PROGRAMS}; those of balls not compared with the source",
-)
+FATIGUE = Source("ISO 281",
+    "annex B, C_u = C0/8.2, beyond D_pw = 100 mm times (100/D_pw)^0.3; of balls C0/22 and (100/D_pw)^0.5", _RECALLED)
+A_ISO = Source("ISO 281", "2007 (34) to (36), radial roller bearings; (31) to (33), radial ball bearings",
+    f"{_PROGRAMS}; those of balls not compared with the source")
 CONTAMINATION = Source("ISO 281", "annex A, in-line filtered oil, β6(c) ≥ 200", _RECALLED)
 REFERENCE = Source("ISO/TS 16281", "2008 (38) to (65): laminae, rigid rings", _PROGRAMS)
 LOAD_SHARING = Source("ISO/TS 16281", "2008 (58) to (65) with the roller loads of elastic rings", _PROGRAMS)
@@ -61,23 +49,17 @@ TILTED = Source("balance", "of hub and tilted rollers in slices, linearised at t
 HERTZ = Source("Hertz", "Johnson, Contact Mechanics (1985), 4.2: line contact, stress below (4.49); balls (4.24)")
 STRESS_LIMITS = Source("ISO 76, ISO 281", "4000 MPa, of balls 4200 MPa, at C0; 1500 MPa at C_u", _RECALLED)
 FILM = Source("Dowson, Higginson", "1968, h = 2.65 R U^0.70 G^0.54 W^−0.13; λ = h/rms roughness", "book not read")
-SKF = Source(
-    "SKF",
+SKF = Source("SKF",
     "Rolling Bearings catalogue, model of the frictional moment, cylindrical roller bearings with cage, R1 by series",
-    "forms read in the catalogue; R1, S2, K_rs, K_z not compared with its tables",
-)
-PALMGREN = Source(
-    "Palmgren",
+    "forms read in the catalogue; R1, S2, K_rs, K_z not compared with its tables")
+PALMGREN = Source("Palmgren",
     "M0 = f0 (ν n)^(2/3) d_m³ 1e-7, M1 = f1 F d_m; f0 = 2.2 to 4, f1 = 2e-4 to 4e-4 by series (10, 2, 22, 3, 23)",
-    _RECALLED,
-)
+    _RECALLED)
 BOTH_FRICTIONS = Source("SKF, Palmgren", f"{SKF.text}; {PALMGREN.text}", SKF.second_hand)
 HEAT = Source("ISO 15312", "reference heat flow, 0.016 W/mm² of π B (d + D) at 70 °C against 20 °C", _RECALLED)
 CLEARANCE = Source("scene, Lamé", "the scene's clearance; fits and temperatures of its [fit]; spin; the films")
-FITS = Source(
-    "Lamé", "Harris, Rolling Bearing Analysis (4th ed. 2001), chapter 3: rings in plane stress", "book not read"
-)
-OF_RUN = Source(
-    "run", "normal forces and dissipated work of a result file; life by ISO/TS 16281 (58) to (65)", _PROGRAMS
-)
+FITS = Source("Lamé", "Harris, Rolling Bearing Analysis (4th ed. 2001), chapter 3: rings in plane stress",
+    "book not read")
+OF_RUN = Source("run", "normal forces and dissipated work of a result file; life by ISO/TS 16281 (58) to (65)",
+    _PROGRAMS)
 LINEARISED = Source("balance", "of hub and rollers, linearised at the operating point (implicit function theorem)")

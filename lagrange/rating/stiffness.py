@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy import ndarray
 
 from lagrange.bearing import Bearing, Operation, stiffness_factor
 from lagrange.contact.damping import UNDAMPED, ContactDamping
@@ -26,12 +27,12 @@ HARMONICS = 6
 class Point:
     """Equilibrium of a bearing's section at an angle of the cage."""
 
-    place: np.ndarray  # (2,), m, of the hub from the outer ring's centre
-    rho: np.ndarray  # (n_rollers,), m
-    inner_force: np.ndarray  # (n_rollers,), N
-    outer_force: np.ndarray
-    stiffness: np.ndarray  # (2, 2), N/m
-    damping: np.ndarray  # (2, 2), N s/m
+    place: ndarray  # (2,), m, of the hub from the outer ring's centre
+    rho: ndarray  # (n_rollers,), m
+    inner_force: ndarray  # (n_rollers,), N
+    outer_force: ndarray
+    stiffness: ndarray  # (2, 2), N/m
+    damping: ndarray  # (2, 2), N s/m
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,21 +42,21 @@ class Pitch(Point):
     Arrays of `Point` begin with the angles, (n, ...); ρ stays the section's.
     """
 
-    turned: np.ndarray  # (n,), rad, of the cage from its first angle
-    theta: np.ndarray  # (n, n_rollers), rad from +x
+    turned: ndarray  # (n,), rad, of the cage from its first angle
+    theta: ndarray  # (n, n_rollers), rad from +x
 
     @property
-    def mean(self) -> np.ndarray:
+    def mean(self) -> ndarray:
         """Stiffness, (2, 2), N/m, mean over the pitch."""
         return self.stiffness.mean(axis=0)
 
     @property
-    def range(self) -> np.ndarray:
+    def range(self) -> ndarray:
         """Lowest and highest stiffness by entry, (2, 2, 2), N/m."""
         return np.stack([self.stiffness.min(axis=0), self.stiffness.max(axis=0)])
 
     @property
-    def harmonics(self) -> np.ndarray:
+    def harmonics(self) -> ndarray:
         """Amplitudes at 1, 2 ... times the rollers' passage, (HARMONICS, 2, 2), N/m."""
         return (np.abs(np.fft.rfft(self.stiffness, axis=0)) * 2.0 / len(self.turned))[1 : HARMONICS + 1]
 
@@ -66,7 +67,7 @@ class Pitch(Point):
 
 
 def over_pitch(
-    bearing: Bearing, first_roller_angle: float, solve: Callable[[np.ndarray, Point | None], Point], samples: int
+    bearing: Bearing, first_roller_angle: float, solve: Callable[[ndarray, Point | None], Point], samples: int
 ) -> Pitch:
     """Solve at equally spaced angles of the cage, each from the one before; where rollers are missing over a turn.
 
@@ -90,24 +91,23 @@ def lagrangian_pitch(
     """
     bearing, operation = replace(bearing, faults=()), replace(operation, mounting=HELD)
 
-    def solve(angles: np.ndarray, near: Point | None) -> Point:
-        start = None if near is None else (float(near.place[0]), float(near.place[1]))
+    def solve(angles, near):
         try:
-            still = static_equilibrium(bearing, operation, laws, angles=angles, start=start)
+            still = static_equilibrium(bearing, operation, laws, angles=angles, start=near and near.place)
         except RuntimeError:
             still = static_equilibrium(bearing, operation, laws, angles=angles)
-        place, both = np.array([still.x, still.y]), (still.inner_force, still.outer_force)
+        both = still.inner_force, still.outer_force
         slopes = np.concatenate([law.slope(law.approach(q)) for law, q in zip(laws, both, strict=True)])
-        rates = approach_rates(bearing, angles, place, still.rho)
+        rates = approach_rates(bearing, angles, still.hub, still.rho)
         return Point(
-            place=place, rho=still.rho, inner_force=both[0], outer_force=both[1], stiffness=still.stiffness,
+            place=still.hub, rho=still.rho, inner_force=both[0], outer_force=both[1], stiffness=still.stiffness,
             damping=damping_matrix(rates, np.diag(slopes), slopes, np.concatenate(both), damping),
         )  # fmt: skip
 
     return over_pitch(bearing, operation.first_roller_angle, solve, samples)
 
 
-def approach_rates(bearing: Bearing, theta: np.ndarray, place: np.ndarray, rho: np.ndarray) -> np.ndarray:
+def approach_rates(bearing: Bearing, theta: ndarray, place: ndarray, rho: ndarray) -> ndarray:
     """Approach of contacts, inner ones first, by hub and radii of rollers, (2 n_rollers, n_rollers + 2)."""
     n, met = bearing.n_rollers, overlaps(bearing, place[0], place[1], rho, theta)
     rates = np.zeros((2 * n, n + 2))
@@ -118,8 +118,8 @@ def approach_rates(bearing: Bearing, theta: np.ndarray, place: np.ndarray, rho: 
 
 
 def damping_matrix(
-    rates: np.ndarray, contacts: np.ndarray, slopes: np.ndarray, forces: np.ndarray, damping: ContactDamping
-) -> np.ndarray:
+    rates: ndarray, contacts: ndarray, slopes: ndarray, forces: ndarray, damping: ContactDamping
+) -> ndarray:
     """Of the hub by the contacts' dampers, (2, 2), N s/m, so slow that massless rollers stay in balance.
 
     rates : of `approach_rates`

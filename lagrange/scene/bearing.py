@@ -5,7 +5,7 @@ act, which the model has not. Its plays are not those of a maker's drawing.
 """
 
 # fmt: off
-from collections.abc import Iterator
+from contextlib import suppress
 from functools import lru_cache
 from math import asin, cos, inf, pi, radians, sin
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
@@ -18,7 +18,7 @@ from lagrange.bearing import Bearing, Cage, Guidance, Material, room_between_rol
 from lagrange.catalogue import SHAFT_WIDTHS, bearing_keys, has_balls, instead, listed, steel_ring_and_shaft
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import exceeds
-from lagrange.files.tables import columns
+from lagrange.files.tables import rising
 from lagrange.fits import REFERENCE_C, STEEL_EXPANSION, Fit
 from lagrange.scene.faults import DecimalSign, Diameter, Digest, File, FileName, FileText, Rule, Share, Table, key, only
 from lagrange.surface.film import Lubricant
@@ -45,20 +45,17 @@ Expansion = Annotated[float, Field(ge=0.0, le=1e-4)]
 Rigidity = Literal["elastic", "rigid"]
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
 def heavy_inner_ring_and_shaft(data: dict[str, Any]) -> float | None:
     """Mass of a ring as wide as its rows are long, with its shaft, kg, where the ring outweighs the default."""
     data = BearingTable.completed(data)
-    sizes = BearingTable.values(data, "bore_diameter_mm", "roller_length_mm", "inner_raceway_diameter_mm", "rows")
-    if any(type(size) not in (float, int) or size < 0.0 for size in sizes):
-        return None
-    bore, length, raceway, rows = sizes
-    alone, bore = (SHAFT_WIDTHS, raceway) if bore == 0.0 else (0.0, bore)  # a solid one is the shaft itself
-    ring, whole = (steel_ring_and_shaft(bore, rows * length, raceway, shaft) for shaft in (alone, SHAFT_WIDTHS))
-    return None if ring < USUAL_MASS else whole
+    with suppress(TypeError, OverflowError):
+        bore, length, raceway, rows = BearingTable.values(
+            data, "bore_diameter_mm", "roller_length_mm", "inner_raceway_diameter_mm", "rows")
+        alone, bore = (SHAFT_WIDTHS, raceway) if bore == 0.0 else (0.0, bore)  # a solid one is the shaft itself
+        ring, whole = (steel_ring_and_shaft(bore, rows * length, raceway, shaft) for shaft in (alone, SHAFT_WIDTHS))
+        if ring >= USUAL_MASS and min(bore, length, raceway, rows) >= 0.0:
+            return whole
+    return None
 
 
 class BearingTable(Table):
@@ -103,40 +100,33 @@ class BearingTable(Table):
         Of a bearing with an inner raceway, or a pitch, rings and length follow in proportion to the roller as the
         paper's do; without a raceway of its own the outer ring is the paper's.
         """
-        data, outer_given = dict(data), "outer_raceway_diameter_mm" in data
-        outer: Any = data.get("outer_raceway_diameter_mm")
-        pitch: Any = data.get("pitch_diameter_mm")
+        data, outer = {name: value for name, value in data.items() if value is not None}, "outer_raceway_diameter_mm"
+        outer_given = outer in data
         if (found := listed(data.get("designation"))) is not None:
-            instead_of = {"clearance_um": outer_given, "inner_raceway_diameter_mm": pitch is not None}
+            instead_of = {"clearance_um": outer_given, "inner_raceway_diameter_mm": "pitch_diameter_mm" in data}
             data = {name: value for name, value in bearing_keys(*found).items() if not instead_of.get(name)} | data
         if data.get("type") == "ball":
             data = USUAL_GROOVES | data
-        sized = pitch is not None or data.get("inner_raceway_diameter_mm") is not None
-        inner, roller, angle = cls.values(data, *CLEARANCE_OF)
-        clearance: Any = data.get("clearance_um")
-        if "inner_raceway_diameter_mm" not in data and all(map(_is_number, (pitch, roller, angle))):
-            # without clearance where neither it nor the outer raceway is given
-            play: Any = data.get("clearance_um", 0.0 if outer is None else None)
-            if outer is None and _is_number(play):
-                inner, clearance = pitch - (roller + 0.5e-3 * play) * cos(radians(angle)), play
-            elif play is None and _is_number(outer):
-                inner = 2.0 * pitch - outer
-            else:
-                pitch = None
-            if pitch is not None:
-                del data["pitch_diameter_mm"]
+        pitch, clearance = data.get("pitch_diameter_mm"), data.get("clearance_um")
+        sized = pitch is not None or "inner_raceway_diameter_mm" in data
+        with suppress(TypeError, OverflowError):  # of values that are no numbers, which are refused
+            inner, roller, angle = cls.values(data, *CLEARANCE_OF)
+            across = cos(radians(angle))
+            if "inner_raceway_diameter_mm" not in data and pitch is not None and None in (clearance, data.get(outer)):
+                # without clearance where neither it nor the outer raceway is given
+                clearance = 0.0 if clearance is None and not outer_given else clearance
+                inner = 2.0 * pitch - data[outer] if outer_given else pitch - (roller + 0.5e-3 * clearance) * across
                 inner = data["inner_raceway_diameter_mm"] = round(inner, 9)
-        if not all(map(_is_number, (inner, roller, angle))):
-            return data
-        closed = inner + 2.0 * roller * cos(radians(angle))
-        if sized:
-            data.setdefault("bore_diameter_mm", round(max(inner - 1.1 * roller, 0.5 * inner), 6))
-            data.setdefault("roller_length_mm", float(roller))
-            if outer_given or clearance is not None:
-                data.setdefault("outside_diameter_mm", round(closed + 0.9 * roller, 6))
-        if not outer_given and _is_number(clearance):
-            data.pop("clearance_um", None)
-            data["outer_raceway_diameter_mm"] = round(closed + 1e-3 * clearance * cos(radians(angle)), 9)
+                del data["pitch_diameter_mm"]
+            closed = inner + 2.0 * roller * across
+            if sized:
+                data.setdefault("bore_diameter_mm", round(max(inner - 1.1 * roller, 0.5 * inner), 6))
+                data.setdefault("roller_length_mm", float(roller))
+                if outer_given or clearance is not None:
+                    data.setdefault("outside_diameter_mm", round(closed + 0.9 * roller, 6))
+            if not outer_given and clearance is not None:
+                data[outer] = round(closed + 1e-3 * clearance * across, 9)
+                data.pop("clearance_um", None)
         return data
 
     @property
@@ -252,14 +242,6 @@ class FitTable(Table):
         bodies = {body: Material(**{name: si[f"{body}_{name}"] for name in names}) for body in ("shaft", "housing")}
         warm = {name: value for name, value in usual.items() if si[name] is None}
         return self.fact(Fit, **bodies, **warm, housing_outside=si["housing_outside_diameter"] or inf)
-
-    @property
-    def of_housing(self) -> str | None:
-        """A key of the housing as the scene writes it; None: there is none."""
-        for name, field in type(self).model_fields.items():
-            if name.startswith("housing_") and getattr(self, name) != field.default:
-                return f"fit.{name} = {getattr(self, name):g}"
-        return None
 
 
 class BodiesTable(Table):
@@ -379,16 +361,9 @@ class Points(NamedTuple):
 @lru_cache(maxsize=8)
 def measured(text: str, decimal: str = ".") -> Points:
     """The drops of a table's text. ValueError: a sentence on the text."""
-    z, drop = columns(text, NAMES, decimal).T
-    if not FEWEST <= len(z) <= MOST:
-        raise ValueError(f"it holds {len(z)} points; at least {FEWEST} and at most {MOST} are allowed")
-    if not np.all(np.isfinite(z)) or not np.all(np.isfinite(drop)):
-        raise ValueError("a value is not finite")
+    z, drop = rising(text, NAMES, decimal, FEWEST, MOST).T
     if np.abs(drop).max() > LARGEST_DROP:
         raise ValueError(f"drop_um = {drop[np.argmax(np.abs(drop))]:g}: at most {LARGEST_DROP:g} either way")
-    if np.any(np.diff(z) <= 0.0):
-        at = int(np.argmax(np.diff(z) <= 0.0))
-        raise ValueError(f"z_mm must rise from row to row: after {z[at]:g} comes {z[at + 1]:g}")
     return Points(tuple(MM * z), tuple(UM * (drop - drop.min())))
 
 
@@ -419,7 +394,7 @@ class AxialTable(Table):
 
     FILES: ClassVar = {f"{surface}_profile": File("drops", measured, SHAPES) for surface in SURFACES}
 
-    def _shapes(self) -> Iterator[str]:
+    def _shapes(self):
         kinds = [getattr(self, name) for name in self.FILES]
         for name, kind, example in (("crown_um", "crowned", 5.0), ("lundberg_load_N", "lundberg", 1000.0)):
             given = getattr(self, name)
@@ -436,7 +411,7 @@ class AxialTable(Table):
             ring_width=2.0 * bearing.roller_length if self.ring_width_mm is None else MM * self.ring_width_mm,
             shaft_tilt_stiffness=self.shaft_tilt_stiffness_N_m_rad or 0.0)
 
-    def _profile(self, name: str) -> Profile:
+    def _profile(self, name):
         kind = getattr(self, name)
         if kind in SHAPES:
             return Profile(kind=kind, crown=UM * (self.crown_um or 0.0), load=self.lundberg_load_N or 0.0)

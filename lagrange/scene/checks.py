@@ -1,12 +1,12 @@
 """What tables of a scene can't be together, with the bearing that they describe, or in a model.
 
-Features that models and contact models can't have follow from one table of features and kinds of scene: a new
-feature is a line of `GIVEN`, a new kind of scene one of `KINDS`, a pair that does not go one of `REFUSED`.
+Keys that do not go with others, as features that a model or a contact model can't have, are rows of `REFUSED`.
 """
 
 # fmt: off
-from collections.abc import Iterator
+from collections.abc import Callable
 from math import asin, degrees, pi
+from typing import Any
 
 import numpy as np
 
@@ -16,10 +16,9 @@ from lagrange.contact.laws import OWN, law_names
 from lagrange.errors import exceeds
 from lagrange.load_history import TIME
 from lagrange.scene import bearing as bearings
-from lagrange.scene.faults import Rule
-from lagrange.scene.run import FIRST_SPEEDS
+from lagrange.scene.faults import Rule, Table
+from lagrange.scene.run import OF_CONTACTS
 from lagrange.scene.surfaces import SURFACES
-from lagrange.scene.tables import Tables
 from lagrange.surface.faults import Spall, own_radius, thickness
 
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
@@ -34,7 +33,7 @@ COARSEST_PROFILE = 0.1  # of the roller's radius, between two points
 STEEPEST_PROFILE = 2.0  # between two points: no stylus follows more, and an edge would lie anywhere between them
 
 
-def _mesh(scene: Tables) -> Iterator[str]:
+def _mesh(scene):
     if scene.bearing.type == "ball":
         return
     size, roller, model = scene.numerics.mesh_size_mm, scene.bearing.roller_diameter_mm, scene.contact.model
@@ -46,7 +45,7 @@ def _mesh(scene: Tables) -> Iterator[str]:
             f"{finest:.3g})")
 
 
-def _fit(scene: Tables) -> Iterator[str]:
+def _fit(scene):
     """Sizes that don't go with the bearing's; interferences, cold and in operation, and clearances too far out."""
     fit, b = scene.fit, scene.bearing
     if fit is None:
@@ -81,7 +80,7 @@ def _fit(scene: Tables) -> Iterator[str]:
         yield f"fit: too large a clearance (at most {1e3 * highest:.4g} µm); check temperatures and clearance: {parts}"
 
 
-def _tables(scene: Tables) -> Iterator[str]:
+def _tables(scene):
     duration, o = scene.numerics.duration_ms, scene.operation
     for name in o.FILES:
         if (found := o.read(name)) is not None and exceeds(duration, end := found[0][-1]):
@@ -89,7 +88,7 @@ def _tables(scene: Tables) -> Iterator[str]:
                 f"(numerics.duration_ms = {duration:g}); give more rows, or shorten the run")
 
 
-def _axial(scene: Tables) -> Iterator[str]:
+def _axial(scene):
     """Rings narrower than rollers, profiles shorter than them."""
     table = scene.axial
     if table is None:
@@ -106,7 +105,7 @@ def _axial(scene: Tables) -> Iterator[str]:
                     f"rollers of {length:g} mm have their middles from {-reach:g} to {reach:g}")
 
 
-def _roller_faults(scene: Tables) -> Iterator[str]:
+def _roller_faults(scene):
     """Rollers that there are none of, or that are given two sizes."""
     n_rollers = scene.bearing.rollers
     for name in SURFACES:
@@ -119,7 +118,7 @@ def _roller_faults(scene: Tables) -> Iterator[str]:
         yield f"unequal_roller: roller = {number} is there {sized.count(number)} times; give it one deviation"
 
 
-def _spall_faults(scene: Tables) -> Iterator[str]:
+def _spall_faults(scene):
     """Spalls that the bodies have no room for, and those that overlap."""
     edges: list[tuple[int, Spall, float]] = []
     bearing = scene.perfect_bearing()
@@ -147,7 +146,7 @@ def _spall_faults(scene: Tables) -> Iterator[str]:
         edges.append((i, spall, half))
 
 
-def _part_faults(scene: Tables) -> Iterator[str]:
+def _part_faults(scene):
     """Spalls of part of the rollers' length that take no slice, or others than those that the same contacts meet."""
     met: dict[str, tuple[int, list[bool]]] = {}
     bearing, slices = scene.perfect_bearing(), 0 if scene.axial is None else scene.axial.slices
@@ -167,7 +166,7 @@ def _part_faults(scene: Tables) -> Iterator[str]:
                     f"spall.{k}; give both the same length_mm and z_mm")
 
 
-def _profile_faults(scene: Tables) -> Iterator[str]:
+def _profile_faults(scene):
     """Two profiles of one surface, and those too high, too deep, too coarse or too steep for rollers to follow."""
     seen: dict[tuple[str, int | None], int] = {}
     bearing = scene.perfect_bearing()
@@ -197,7 +196,7 @@ def _profile_faults(scene: Tables) -> Iterator[str]:
                 "each other")
 
 
-def _size_faults(scene: Tables) -> Iterator[str]:
+def _size_faults(scene):
     """Waves too high or too short for contacts in one place, and rollers too large."""
     bearing = scene.perfect_bearing()
     largest = LARGEST_DEVIATION * 2.0 * bearing.roller_radius
@@ -217,111 +216,112 @@ def _size_faults(scene: Tables) -> Iterator[str]:
                 f"{1e6 * largest:.4g} either way)")
 
 
-def _bore(scene: Tables) -> str | None:
+def _bore(scene):
     clearance = None if scene.support is None else scene.support.fit_clearance_um
     return None if clearance is None else f"support.fit_clearance_um = {clearance:g}"
 
 
-def _of_rollers(scene: Tables) -> str | None:
-    found = (f'{name}.{i}.body = "roller"' for name in SURFACES for i, table in enumerate(getattr(scene, name))
-             if getattr(table, "body", None) == "roller")
-    return next(found, None)
+def _turns(scene):
+    return (name := scene.operation.turns_outer_ring) and f"operation.{name}"
 
 
-def _speed_table(scene: Tables) -> str | None:
-    o = scene.operation
-    return next((f'operation.{name} = "{table}"' for name in FIRST_SPEEDS if (table := getattr(o, name))), None)
+def _changes(scene):
+    return (name := scene.operation.changes) and f"operation.{name}"
 
 
-# how a scene writes what it has, {0} of a sentence; nothing where it lacks it
-GIVEN = {"fields": lambda s: (t := s.output.fields_every_ms) > 0.0 and f"output.fields_every_ms = {t}",
-    "rigid body": lambda s: s.bodies.rigid and f'bodies.{s.bodies.rigid[0]} = "rigid"',
-    "points": lambda s: s.support and s.support.kind == "points" and 'support.kind = "points"',
-    "shaft": lambda s: s.operation.shaft == "springs" and 'operation.shaft = "springs"',
-    "sensor": lambda s: s.sensor and "[sensor]", "bore": _bore,
-    "guide": lambda s: s.cage and s.cage.guidance == "outer_ring" and 'cage.guidance = "outer_ring"',
-    "slope": lambda s: (tilt := s.operation.misalignment_mrad) and f"operation.misalignment_mrad = {tilt:g}",
-    "bodies' damping": lambda s: (rate := s.damping.bodies_1_s) > 0.0 and f"damping.bodies_1_s = {rate:g}",
-    "contacts' damping": lambda s: s.damping.contacts.acts and "[damping] of contacts",
-    "load history": lambda s: (name := s.operation.changes) and f"operation.{name}",
-    "fit in the housing": lambda s: s.fit and s.fit.of_housing, "fit": lambda s: s.fit and "[fit]",
-    "solid shaft": lambda s: s.bearing.bore_diameter_mm == 0.0 and "bearing.bore_diameter_mm = 0",
-    "surfaces": lambda s: next((f"[[{name}]]" for name in SURFACES if getattr(s, name)), s.lubricant and
-    "[lubricant]"), "part of the length": lambda s: next((f"spall.{i}.length_mm = {spall.length_mm:g}" for i, spall in
-    enumerate(s.spall) if spall.length_mm is not None), None), "lubricant": lambda s: s.lubricant and "[lubricant]",
-    "rollers' surfaces": _of_rollers, "unequal rollers": lambda s: s.unequal_roller and "[[unequal_roller]]",
-    "contact angle": lambda s: (a := s.bearing.contact_angle_deg) > 0.0 and f"bearing.contact_angle_deg = {a:g}",
-    "axial": lambda s: s.axial and "[axial]", "rows": lambda s: s.bearing.rows > 1 and
-    f"bearing.rows = {s.bearing.rows}", "outer ring's speed": lambda s: (name := s.operation.turns_outer_ring) and
-    f"operation.{name}"}
-# what scenes are that keeps them from a feature, {1} of a sentence
-KINDS = {"no mesh": lambda s: s.model != "fem", "other contacts": lambda s: s.contact.model != "subgrid",
-    "other contacts on meshes": lambda s: s.model == "fem" and s.contact.model != "subgrid",
-    "rigid outer ring": lambda s: s.bodies.outer_ring == "rigid",
-    "outer ring moves": lambda s: _bore(s) or (s.support and s.support.kind == "points"),
-    "balls": lambda s: s.bearing.type == "ball", "contact angle": lambda s: s.bearing.contact_angle_deg > 0.0,
-    "solid shaft": lambda s: s.bearing.bore_diameter_mm == 0.0, "missing rollers": lambda s: s.bearing.missing_rollers,
-    "axial": lambda s: s.axial is not None, "no axial": lambda s: s.axial is None,
-    "axial on meshes": lambda s: s.axial is not None and s.model == "fem", "fitted": lambda s: s.fit is not None,
-    "no housing": lambda s: s.support is None or s.support.kind != "housing", "bore": _bore,
-    "turning ring": lambda s: s.operation.turns_outer_ring, "changing speed": _speed_table,
-    "mounted": lambda s: s.support is not None and s.support.kind != "held"}
+def _stated(table, name, before=""):
+    """A dotted key, or "key=value", as a scene writes it; None: it has none, its default, 0, or another value."""
+    name, _, inner = name.partition(".")
+    name, _, wanted = name.partition("=")
+    value, place = getattr(table, name), f"{before}{name}"
+    if isinstance(value, list) and inner:
+        return next(filter(None, (_stated(each, inner, f"{place}.{i}.") for i, each in enumerate(value))), None)
+    if inner:
+        return None if value is None else _stated(value, inner, f"{place}.")
+    text = f'"{value}"' if isinstance(value, str) else f"{value:g}" if isinstance(value, float) else value
+    if wanted:
+        return f"{place} = {text}" if wanted == str(text).strip('"') else None
+    if not value or value == type(table).model_fields[name].default:
+        return None
+    return f"[[{place}]]" if isinstance(value, list) else f"[{place}]" if isinstance(value, Table) else (
+        f"{place} = {text}")
+
+
+def _has(scene, what):
+    """How the scene writes the first of what it has of keys joined by "or", which binds more than "and"."""
+    if callable(what):
+        return what(scene)
+    parts = [next(filter(None, (not _stated(scene, name[4:]) if name.startswith("not ") else _stated(scene, name)
+        for name in part.split(" or "))), None) for part in what.split(" and ")]
+    return parts[0] if all(parts) else None
+
+
+Condition = str | Callable[[Any], Any]
+MESH, POINTS, SPEED = "model=fem", "support.kind=points", "operation.outer_ring_speed_table or operation.speed_table"
+OTHER, OTHER_ON_MESHES = "contact.model", f"contact.model and {MESH}"  # than "subgrid"
+RIGID = "bodies.rollers=rigid or bodies.inner_ring=rigid or bodies.outer_ring=rigid"
+DAMPED = " or ".join(f"damping.{name}" for name in OF_CONTACTS)
+IN_HOUSING = " or ".join(f"fit.{name}" for name in bearings.FitTable.model_fields if name.startswith("housing_"))
+OF_ROLLERS = " or ".join(f"{name}.body=roller" for name in SURFACES if name != "unequal_roller")
+NOT_ROUND = " or ".join((*SURFACES, "lubricant"))
+ANGLE, SOLID, MISSING = "bearing.contact_angle_deg", "bearing.bore_diameter_mm=0", "bearing.missing_rollers"
+BALLS, GUIDE, PART = "bearing.type=ball", "cage.guidance=outer_ring", "spall.length_mm"
 EITHER = "; leave one of them out"
 SUBGRID = '{0}: only with contact.model = "subgrid", not with "{t.contact.model}"'
 COMPARES = f"{SUBGRID}, which is there to compare contacts{EITHER}"
 FEM = '{0}: only with model = "fem", not with "{t.model}", whose outer ring'
 RADIAL = f"{{0}}: only for rings whose contacts are radial, not with bearing.contact_angle_deg{EITHER}"
-REFUSED = (
-    ("guide", "bore", "{0}: not with {1}, in which that ring moves; choose another guidance"),
-    ("guide", "turning ring", "{0}: not with operation.{1}, of a guide that turns; choose another guidance"),
-    ("slope", "no axial", "{0}: needs an [axial] table (an empty one is enough)"),
-    ("lubricant", "changing speed", f"{{0}}: only at a steady speed, not with {{1}}: its film is as thick as at "
+REFUSED: tuple[tuple[Condition, Condition, str], ...] = (
+    (GUIDE, _bore, "{0}: not with {1}, in which that ring moves; choose another guidance"),
+    (GUIDE, _turns, "{0}: not with {1}, of a guide that turns; choose another guidance"),
+    ("operation.misalignment_mrad", "not axial", "{0}: needs an [axial] table (an empty one is enough)"),
+    ("lubricant", SPEED, f"{{0}}: only at a steady speed, not with {{1}}: its film is as thick as at "
         f"one speed{EITHER}"),
-    ("fields", "no mesh", "{0}: model = '{t.model}' has no mesh and no fields; leave it out or 0"),
-    ("rigid body", "other contacts", f"{SUBGRID}, whose points of pressure sit on meshes"),
-    ("points", "no mesh", f'{FEM} does not bend as a whole; use kind = "housing", or leave one of them out'),
-    ("points", "rigid outer ring", f"{{0}}: a rigid outer ring is held as well by any{EITHER}"),
-    ("points", "other contacts", f"{SUBGRID}{EITHER}"),
-    ("shaft", "other contacts on meshes", COMPARES),
-    ("sensor", "no housing",
+    ("output.fields_every_ms", f"not {MESH}", "{0}: model = '{t.model}' has no mesh and no fields; leave it out or 0"),
+    (RIGID, OTHER, f"{SUBGRID}, whose points of pressure sit on meshes"),
+    (POINTS, f"not {MESH}", f'{FEM} does not bend as a whole; use kind = "housing", or leave one of them out'),
+    (POINTS, "bodies.outer_ring=rigid", f"{{0}}: a rigid outer ring is held as well by any{EITHER}"),
+    (POINTS, OTHER, f"{SUBGRID}{EITHER}"),
+    ("operation.shaft=springs", OTHER_ON_MESHES, COMPARES),
+    ("sensor", "not support.kind=housing",
      '{0}: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out'),
-    ("bore", "no mesh", f"{FEM} is held without play; leave it out"),
-    ("bore", "rigid outer ring", f'{{0}}: only for an elastic outer ring, bodies.outer_ring is "rigid"{EITHER}'),
-    ("bore", "other contacts", f"{SUBGRID}{EITHER}"),
-    ("bodies' damping", "no mesh",
+    (_bore, f"not {MESH}", f"{FEM} is held without play; leave it out"),
+    (_bore, "bodies.outer_ring=rigid", f'{{0}}: only for an elastic outer ring, bodies.outer_ring is "rigid"{EITHER}'),
+    (_bore, OTHER, f"{SUBGRID}{EITHER}"),
+    ("damping.bodies_1_s", f"not {MESH}",
      "{0}: only for bodies with meshes, which model = '{t.model}' has none of; leave it out, or use model = 'fem'"),
-    ("contacts' damping", "other contacts on meshes",
+    (DAMPED, OTHER_ON_MESHES,
      f"{SUBGRID}, whose points of pressure stand for part of a contact{EITHER}"),
-    ("fit in the housing", "outer ring moves",
+    (IN_HOUSING, lambda s: _bore(s) or _has(s, POINTS),
      f"{{0}}: not with the [support] of an outer ring that its housing does not hold all around{EITHER}"),
-    ("load history", "other contacts on meshes", COMPARES),
-    ("lubricant", "balls", '{0}: films are those of line contacts, not with bearing.type = "ball"; leave it out'),
-    ("rollers' surfaces", "contact angle",
+    (_changes, OTHER_ON_MESHES, COMPARES),
+    ("lubricant", BALLS, '{0}: films are those of line contacts, not with bearing.type = "ball"; leave it out'),
+    (OF_ROLLERS, ANGLE,
      "{0}: a section's rollers turn faster than those of a bearing with contact_angle_deg; leave one of them out"),
-    ("points", "contact angle", RADIAL),
-    ("bore", "contact angle", RADIAL),
-    ("fit", "contact angle", RADIAL),
-    ("rollers' surfaces", "missing rollers", f"{{0}}: not together with bearing.missing_rollers{EITHER}"),
-    ("unequal rollers", "missing rollers", f"{{0}}: not together with bearing.missing_rollers{EITHER}"),
-    ("fit", "solid shaft", f"{{0}}: of a ring on a shaft; bearing.bore_diameter_mm = 0 is a solid one{EITHER}"),
-    ("solid shaft", "other contacts on meshes", f"{SUBGRID}, whose ring is held at its bore{EITHER}"),
-    ("contact angle", "other contacts on meshes", f"{SUBGRID}, whose circles are as curved as bodies{EITHER}"),
-    ("axial", "other contacts on meshes", f"{SUBGRID}, whose law is that of slices{EITHER}"),
-    ("rigid body", "axial on meshes",
+    (POINTS, ANGLE, RADIAL),
+    (_bore, ANGLE, RADIAL),
+    ("fit", ANGLE, RADIAL),
+    (OF_ROLLERS, MISSING, f"{{0}}: not together with bearing.missing_rollers{EITHER}"),
+    ("unequal_roller", MISSING, f"{{0}}: not together with bearing.missing_rollers{EITHER}"),
+    ("fit", SOLID, f"{{0}}: of a ring on a shaft; bearing.bore_diameter_mm = 0 is a solid one{EITHER}"),
+    (SOLID, OTHER_ON_MESHES, f"{SUBGRID}, whose ring is held at its bore{EITHER}"),
+    (ANGLE, OTHER_ON_MESHES, f"{SUBGRID}, whose circles are as curved as bodies{EITHER}"),
+    ("axial", OTHER_ON_MESHES, f"{SUBGRID}, whose law is that of slices{EITHER}"),
+    (RIGID, f"axial and {MESH}",
      f"{{0}}: not together with [axial], whose slices are those of elastic bodies{EITHER}"),
-    ("part of the length", "no axial",
+    (PART, "not axial",
      "{0}: needs an [axial] table (an empty one is enough); or leave length_mm out"),
-    ("rows", "axial", f"{{0}}: not together with [axial], whose slope loads rows unequally{EITHER}"),
-    ("contacts' damping", "axial on meshes",
+    ("bearing.rows", "axial", f"{{0}}: not together with [axial], whose slope loads rows unequally{EITHER}"),
+    (DAMPED, f"axial and {MESH}",
      '{0}: not together with [axial] on meshes; use model = "reduced", or leave one of them out'),
-    ("axial", "balls", '{0}: only for rollers, not with bearing.type = "ball"; leave it out'),
-    ("axial", "contact angle",
+    ("axial", BALLS, '{0}: only for rollers, not with bearing.type = "ball"; leave it out'),
+    ("axial", ANGLE,
      "{0}: of rollers whose axis is the shaft's, not with contact_angle_deg; leave one of them out"),
-    ("outer ring's speed", "mounted", '{0}: only with support.kind = "held", not with "{t.support.kind}": '
+    (_turns, "support.kind", '{0}: only with support.kind = "held", not with "{t.support.kind}": '
         f"whatever turns with the outer ring holds it all around{EITHER}"),
-    ("outer ring's speed", "fitted",
+    (_turns, "fit",
      f"{{0}}: not with [fit], whose housing stands still; give the operating clearance{EITHER}"),
-    ("surfaces", "other contacts on meshes", f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"),
+    (NOT_ROUND, OTHER_ON_MESHES, f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"),
 )
 
 
@@ -332,8 +332,8 @@ COMBINATIONS: tuple[Rule, ...] = (
         s.operation.inner_ring_and_shaft_kg) and ring, "operation.inner_ring_and_shaft_kg = "
         "{t.operation.inner_ring_and_shaft_kg} must exceed the mass of the elastic inner ring, {0:.4g} kg"),
     _mesh,
-    *(((lambda s, feature=feature, kind=kind: (given := GIVEN[feature](s)) and (what := KINDS[kind](s)) and (
-        given, what)), sentence) for feature, kind, sentence in REFUSED),
+    *(((lambda s, ours=ours, other=other: (given := _has(s, ours)) and (what := _has(s, other)) and (given, what)),
+        sentence) for ours, other, sentence in REFUSED),
     (lambda s: 0.0 < s.output.fields_every_ms and exceeds(least := 1e-3 * s.numerics.output_interval_us,
         s.output.fields_every_ms) and least, "output.fields_every_ms = {t.output.fields_every_ms} must not be below "
         "numerics.output_interval_us = {t.numerics.output_interval_us} ({0:g} ms); 0 stores none"),

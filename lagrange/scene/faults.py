@@ -86,7 +86,7 @@ def key(default: Any, meaning: str, least: float | None = None, most: float | No
 def only(keys: str, other: str, *values: str | None) -> Rule:
     """Keys, in one text, that are given only together with another key: one of these values of it, or any."""
 
-    def rule(table: "Table") -> Iterator[str]:
+    def rule(table):
         there, fields = getattr(table, other), type(table).model_fields
         if there in values if values else there is not None:
             return
@@ -129,7 +129,7 @@ class Table(BaseModel):
         table._fill(data, name)
         return table
 
-    def _fill(self, data: dict[str, Any], name: str) -> None:
+    def _fill(self, data, name):
         every, rest, unmade = list[ErrorDetails](), self, list[ValueError]()
         try:
             super().__init__(**data)
@@ -190,7 +190,7 @@ class Table(BaseModel):
         found = {self.of_file(name, "sha256"): self.of_file(name, "content") for name in self.FILES}
         return {digest: text for digest, text in found.items() if digest is not None and text is not None}
 
-    def _numbers(self) -> Iterator[str]:
+    def _numbers(self):
         """Numbers so near to 0 that a square or a quotient of them is no number any more."""
         for name in type(self).model_fields:
             value = getattr(self, name, None)
@@ -198,7 +198,7 @@ class Table(BaseModel):
                 if isinstance(number, float) and 0.0 < abs(number) < SMALLEST:
                     yield f"{name} = {number:g}: must be 0, or at least {SMALLEST:g} in size"
 
-    def _files(self) -> Iterator[str]:
+    def _files(self):
         for name in self.FILES:
             for end in ("sha256", "decimal", "shape") if getattr(self, name) is None else ():
                 if getattr(self, f"{name}_{end}", None) is not None:
@@ -260,11 +260,11 @@ def quoted(value: object) -> str:
         return "a number of thousands of digits"
 
 
-def _short(text: str) -> str:
+def _short(text):
     return text if len(text) <= LONGEST_QUOTE else f"{text[: LONGEST_QUOTE - 3]}..."
 
 
-def _explained(fault: ErrorDetails, model: type[Table]) -> tuple[str, Place]:
+def _explained(fault, model):
     """One of pydantic's faults in words, and the key whose value it leaves unknown."""
     at, value, kind = fault["loc"], fault["input"], fault["type"]
     parts = map(str, at)
@@ -291,7 +291,7 @@ def _explained(fault: ErrorDetails, model: type[Table]) -> tuple[str, Place]:
     return f"{place} = {quoted(value)}: {reason}", at
 
 
-def _table_at(place: Place, model: type[Table]) -> type[Table]:
+def _table_at(place, model):
     for part in place:
         if not isinstance(part, int):
             model = table_of(model.model_fields[part])[0] or model
@@ -303,7 +303,7 @@ def keys_of(model: type[Table]) -> list[str]:
     return [name for name, field in model.model_fields.items() if not field.exclude]
 
 
-def _absent(name: str, instead: str = "") -> str | None:
+def _absent(name, instead=""):
     """What the program lacks that a key asks for and the key that is there instead does not; None: nothing."""
     for what, words in ABSENT.items():
         if any(f"_{word}_" in f"_{name.lower()}_" and word not in instead for word in words):
@@ -311,7 +311,7 @@ def _absent(name: str, instead: str = "") -> str | None:
     return None
 
 
-def _likely(place: Place, model: type[Table]) -> list[str]:
+def _likely(place, model):
     """Keys that were probably meant, unless they lack what was asked for.
 
     Those with it among their words or alike in the table, else of the same name elsewhere, dotted.
@@ -333,7 +333,7 @@ def likely_of(name: str, known: Iterable[str]) -> str | None:
     return next(iter(difflib.get_close_matches(name, list(known), n=1, cutoff=0.5)), None)
 
 
-def _usable(model: type[Table], data: dict[str, Any], unusable: set[Place], place: Place = ()) -> Table:
+def _usable(model, data, unusable, place=()):
     """A table without the values that can't be used: who asks for them meets an AttributeError."""
     given = place not in unusable  # a table of an array may be no table
     data, values, left_out = model.completed(data) if given else {}, dict[str, Any](), list[str]()
@@ -354,7 +354,7 @@ def _usable(model: type[Table], data: dict[str, Any], unusable: set[Place], plac
     return table
 
 
-def _contradictions(table: Table, place: str, unmade: list[ValueError], whole: bool) -> Iterator[str]:
+def _contradictions(table, place, unmade, whole):
     """All that a table's rules, and those of the tables in it, say; `whole`: none of its values is left out."""
     before = f"{place}: " if place else ""
     for name in type(table).model_fields:
@@ -391,7 +391,7 @@ def load(text: str, name: str) -> dict[str, Any]:
         raise SceneError(f"{name}: not a scene: {str(error).partition(';')[0]}") from None
 
 
-def _hint(text: str, reason: str) -> str:
+def _hint(text, reason):
     """The line at which TOML can't be read, and what is often wrong with such a one; empty where it is not known."""
     number, lines = re.search(r"line (\d+)", reason), text.split("\n")
     if number is None or int(number[1]) > len(lines):
@@ -426,26 +426,22 @@ def set_key(data: dict[str, Any], key: str, value: Any, origin: str) -> None:
     if not all(parts):
         raise SceneError(f"{origin}: {key!r} must read table.key, e.g. operation.speed_rpm")
     table: Any = data
-
-    def check_number(number: str, what: str) -> None:
-        if not number.isdecimal() or int(number[:9]) > len(table):
-            raise SceneError(f"{origin}: {number} is none of {len(table)} {what}; numbers go on from 0")
-
-    for part, after in pairwise(parts):  # a table, or an array of tables, is made where there is none
-        empty: Any = [] if after.isdecimal() else {}
+    for part, after in pairwise([*parts, None]):  # a table, or an array of tables, is made where there is none
+        is_last = after is None
+        inner = value if is_last else [] if after.isdecimal() else {}
         if isinstance(table, dict):
-            table = table.setdefault(part, empty)
+            if is_last:
+                table[part] = value
+            inner = table.setdefault(part, inner)
         else:
-            check_number(part, "tables")
-            table.extend([empty] if int(part) == len(table) else [])
-            table = table[int(part)]
-        if not isinstance(table, dict | list):
+            if not part.isdecimal() or int(part[:9]) > len(table):
+                what = "entries" if is_last else "tables"  # of a list of values, as in bearing.missing_rollers.0
+                raise SceneError(f"{origin}: {part} is none of {len(table)} {what}; numbers go on from 0")
+            if is_last and any(isinstance(each, dict) for each in table):
+                raise SceneError(f"{origin}: {part} is a whole table; set one of its keys")
+            at = slice(int(part), int(part) + 1)
+            table[at] = [inner] if is_last else table[at] or [inner]
+            inner = table[int(part)]
+        if not (is_last or isinstance(inner, dict | list)):
             raise SceneError(f"{origin}: {part} is a value, not a table")
-    last = parts[-1]
-    if isinstance(table, dict):
-        table[last] = value
-        return
-    check_number(last, "entries")  # of a list of values, as in bearing.missing_rollers.0
-    if any(isinstance(each, dict) for each in table):
-        raise SceneError(f"{origin}: {last} is a whole table; set one of its keys")
-    table[int(last) : int(last) + 1] = [value]
+        table = inner

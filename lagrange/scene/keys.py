@@ -4,13 +4,10 @@ A key's meaning, unit, limits and default stand once, in its table's class; the 
 handbook's page and the JSON schema are made from there.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
 from textwrap import wrap
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 import tomli_w
-from pydantic.fields import FieldInfo
 
 from lagrange.scene.faults import Table, table_of, unit_of_key
 from lagrange.scene.scene import Scene
@@ -19,8 +16,7 @@ WIDTH, COMMENT_AT = 120, 38  # characters
 LIMITS = {"ge": "from", "gt": "above", "le": "to", "lt": "below"}  # in words, by the names that pydantic gives them
 
 
-@dataclass(frozen=True, kw_only=True)
-class Key:
+class Key(NamedTuple):
     """A key of a table."""
 
     name: str
@@ -30,8 +26,7 @@ class Key:
     limits: str  # in words: numbers or choices
 
 
-@dataclass(frozen=True, kw_only=True)
-class KeyTable:
+class KeyTable(NamedTuple):
     """A table of the scene; the scene's own keys have no name."""
 
     name: str
@@ -66,7 +61,7 @@ def name_in_words(name: str) -> str:
     return unit_of_key(name)[0].replace("_", " ")
 
 
-def _limits(field: FieldInfo) -> str:
+def _limits(field):
     kinds = [field.annotation, *get_args(field.annotation)]
     for kind in kinds:
         if get_origin(kind) is Literal:
@@ -94,7 +89,7 @@ def scene_with_every_key() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _commented(text: str, sentence: str) -> Iterator[str]:
+def _commented(text, sentence):
     """A line with its comment, which goes on below where it is long."""
     first, *others = wrap(sentence, WIDTH - COMMENT_AT - 2) or [""]
     yield f"{text:<{COMMENT_AT - 1}} # {first}" if first else text

@@ -6,8 +6,8 @@
 
 # fmt: off
 import re
-from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import replace
 from functools import lru_cache
 from math import cos, pi, radians, sin
 from typing import Annotated, Any, ClassVar, Literal
@@ -16,12 +16,13 @@ import numpy as np
 from pydantic import Field, ValidationInfo, field_validator
 
 from lagrange.bearing import Operation, OwnLaw
+from lagrange.columns import per_roller
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import OWN
 from lagrange.errors import exceeds
 from lagrange.files.tables import columns
+from lagrange.load_history import LoadHistory, joined, points_of, steady, turn_of
 from lagrange.load_history import Shape as Curve
-from lagrange.load_history import joined, points_of, steady, turn_of
 from lagrange.messages import G
 from lagrange.mounting import Bore, Housing, Points, Shaft
 from lagrange.scene.faults import RPM, Angle, DecimalSign, Digest, File, FileName, FileText, Share, Table, key, only
@@ -96,7 +97,7 @@ class OperationTable(Table):
                     defaults[speed] = _first_speed(text, data.get(f"{name}_decimal"), data.get(f"{name}_shape"))
         return defaults | data
 
-    def _first_speeds(self) -> Iterator[str]:
+    def _first_speeds(self):
         for name, speed in FIRST_SPEEDS.items():
             given, about = getattr(self, speed), [self.of_file(name, end) for end in ("content", "decimal", "shape")]
             first = given if about[0] is None else _first_speed(*about)
@@ -139,7 +140,7 @@ class OperationTable(Table):
 
 
 @lru_cache(maxsize=16)
-def _ideal(o: OperationTable) -> Operation:
+def _ideal(o):
     found = o.fact(Operation, inner_mass=o.inner_ring_and_shaft_kg,
         first_roller_angle=radians(o.first_roller_deg + FROM_LOAD), misalignment=1e-3 * (o.misalignment_mrad or 0.0))
     if o.changes is None:
@@ -156,15 +157,18 @@ def _ideal(o: OperationTable) -> Operation:
     if o.rotating_load_with == "outer_ring" and o.turns_outer_ring is None:  # it stands with that ring
         load.c[-1] += rotating * cos(radians(angle)), rotating * sin(radians(angle))
         rotating = 0.0
-    return found.going_on(turn=turn_of(functions["speed_table"]),
+    history = LoadHistory(turn=turn_of(functions["speed_table"]),
         outer_turn=None if o.turns_outer_ring is None else turn_of(functions["outer_ring_speed_table"]), load=load,
         unbalance=1e-6 * (o.unbalance_g_mm or 0.0), unbalance_angle=radians((o.unbalance_deg or 0.0) + FROM_LOAD),
-        rotating_load=rotating, rotating_load_angle=radians(angle), rotating_load_with=o.rotating_load_with or
-        "inner_ring")
+        rotating_load=rotating, rotating_load_angle=radians(angle),
+        rotating_load_with=o.rotating_load_with or "inner_ring")
+    (x, y), speeds = history.force(0.0), history.ring_speeds(0.0)
+    return replace(found, speed=float(speeds[0]), outer_speed=float(speeds[1]), radial_load=-float(y),
+        side_load=float(x), history=history)
 
 
 @lru_cache(maxsize=16)
-def _first_speed(text: str, decimal: str | None, shape: Curve | None) -> float:
+def _first_speed(text, decimal, shape):
     time, values = SPEEDS.read(text, decimal or ".")
     return float(joined(time, values, shape or "smooth")(0.0)[0])
 
@@ -452,11 +456,6 @@ class Columns(Table):
         return [name, bare, *same], units[unit]
 
 
-def per_roller(quantity: str) -> bool:
-    """Whether a quantity has one column per roller."""
-    return quantity.startswith("roller_") or quantity.endswith(("_force", "_traction", "_moment"))
-
-
-def _split(name: str) -> tuple[str, str | None]:
+def _split(name):
     match = re.fullmatch(r"(.*?)\s*\[([^\[\]]*)\]\s*", name)
     return (match[1], match[2].strip()) if match else (name, None)

@@ -1,28 +1,35 @@
 """The scene file: TOML in the bearing engineer's units, validated, given out as SI objects to solver and checker."""
 
 # fmt: off
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Literal, Self
 
 import tomli_w
 from pydantic import PrivateAttr
 
+from lagrange.axial.slices import Axial
+from lagrange.bearing import BallBearing, Bearing, Cage, Operation, section_mounting, section_operation
 from lagrange.catalogue import bearing_keys, inner_ring_and_shaft, listed
 from lagrange.files.input import LARGEST_FILE, digest, plain_text
+from lagrange.fits import OperatingClearance, growths, in_operation, operating_clearance
+from lagrange.kinematics import kinematics
+from lagrange.mounting import Mounting, Sensor
 from lagrange.scene import bearing as bearings
 from lagrange.scene import faults, run
 from lagrange.scene.checks import COMBINATIONS
-from lagrange.scene.faults import SceneError, apply_override, beside, load, plain, quoted, set_key, table_of
-from lagrange.scene.surfaces import SURFACES
-from lagrange.scene.tables import Tables
+from lagrange.scene.faults import SceneError, Table, apply_override, beside, key, load, plain, quoted, set_key, table_of
+from lagrange.scene.surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
 from lagrange.step_size import fitting_interval, wave_interval
+from lagrange.surface.faults import Film
+from lagrange.surface.film import films
 from lagrange.surface.passages import strike_interval
 
 MODEL_NAMES = {"fem": "finite elements", "reduced": "reduced model", "lagrange": "Lagrangian model"}
+MOST_TABLES = 200  # of one array
 MESH_SHARE = 0.1  # of a roller's diameter, between surface nodes where the scene gives no mesh size
 FITTING = 6.0, 16.0  # mm, diameters of a standard bearing's rollers that the default mesh size serves
 DECIDING = {  # keys whose defaults decide an answer, and what may be given in their place
@@ -31,13 +38,38 @@ DECIDING = {  # keys whose defaults decide an answer, and what may be given in t
 }
 
 
-class Scene(Tables):
+class Scene(Table):
     """A whole scene. Defaults are the paper's bearing."""
+
+    name: str = key("paper", "name of the scene and of its result files", min_length=1, max_length=100, pattern=
+        r"^[A-Za-z0-9][A-Za-z0-9._ -]*$")
+    model: Literal["fem", "reduced", "lagrange"] = key("fem", "finite elements; elastic bodies without inertia of "
+        "their own; rigid bodies on contact springs")
+    bearing: bearings.BearingTable = bearings.BearingTable()
+    material: bearings.MaterialTable = bearings.MaterialTable()
+    fit: bearings.FitTable | None = None
+    bodies: bearings.BodiesTable = bearings.BodiesTable()
+    operation: run.OperationTable = run.OperationTable()
+    contact: run.ContactTable = run.ContactTable()
+    damping: run.DampingTable = run.DampingTable()
+    lagrange: run.LagrangeTable = run.LagrangeTable()
+    numerics: run.NumericsTable = run.NumericsTable()
+    output: run.OutputTable = run.OutputTable()
+    support: run.SupportTable | None = None
+    sensor: run.SensorTable | None = None
+    cage: bearings.CageTable | None = None
+    lubricant: bearings.LubricantTable | None = None
+    axial: bearings.AxialTable | None = None
+    spall: list[SpallTable] = key([], "", max_length=MOST_TABLES)
+    waviness: list[WavinessTable] = key([], "", max_length=MOST_TABLES)
+    unequal_roller: list[UnequalRollerTable] = key([], "", max_length=MOST_TABLES)
+    profile: list[ProfileTable] = key([], "", max_length=MOST_TABLES)
+    table: run.Columns = run.Columns()
 
     RULES: ClassVar[tuple[faults.Rule, ...]] = COMBINATIONS
     _written: dict[str, Any] | None = PrivateAttr(None)  # the tables as they were given, before they were completed
 
-    def _fill(self, data: dict[str, Any], name: str) -> None:
+    def _fill(self, data, name):
         """Keep what was written: a clearance that is varied must not meet the diameter that followed from another."""
         super()._fill(data, name)
         self._written = {each: plain(value) for each, value in data.items()}
@@ -119,7 +151,7 @@ class Scene(Tables):
         written = self._as_written()
         return table in written if name is None else name in written.get(table, {})
 
-    def _as_written(self) -> dict[str, Any]:
+    def _as_written(self):
         """The tables before they were completed, without the texts of the files that they name."""
         data = self._tables() if self._written is None else deepcopy(self._written)
         for _, table, name, _ in _file_keys(data):
@@ -140,7 +172,7 @@ class Scene(Tables):
         empty |= {name for name in ("damping", "table") if getattr(self, name) == type(getattr(self, name))()}
         return tomli_w.dumps({name: table for name, table in tables.items() if name not in empty})
 
-    def _tables(self) -> dict[str, Any]:
+    def _tables(self):
         """All tables; that a bearing has no cage is said where it would have one otherwise."""
         tables = self.model_dump(exclude_none=True)
         return tables if self.cage is not None or self.model == "lagrange" else tables | {"cage": {"kind": "none"}}
@@ -159,6 +191,112 @@ class Scene(Tables):
                 found |= table.files
         return found
 
+    def default_cage(self) -> bearings.CageTable | str:
+        """The cage where there is no table of it; in words why there is none."""
+        return bearings.default_cage(self.bearing, self.unmounted_bearing(), self.friction_coefficient)
+
+    @property
+    def has_faults(self) -> bool:
+        """Whether surfaces are not perfect, but for films."""
+        return any(getattr(self, name) for name in SURFACES)
+
+    @property
+    def load_ramp(self) -> float:
+        """Time over which the load grows from nothing, s."""
+        return 1e-3 * self.numerics.load_ramp_ms if self.numerics.start == "rest" else 0.0
+
+    @property
+    def friction_coefficient(self) -> float:
+        """Of the contacts, dry or under a film."""
+        return self.contact.friction_coefficient if self.lubricant is None else self.lubricant.traction_coefficient
+
+    def ideal_bearing(self) -> Bearing:
+        """The bearing in SI, with the faults of its surfaces and the films on them."""
+        return replace(self.perfect_bearing(), faults=self._faults() + self.films())
+
+    def _faults(self):
+        return tuple(table.fault() for name in SURFACES for table in getattr(self, name))
+
+    def perfect_bearing(self) -> Bearing:
+        """The bearing in SI with the sizes that it has in operation, without faults of its surfaces."""
+        bearing, found = self.unmounted_bearing(), self.clearance_without_films()
+        if found is None:
+            return bearing
+        return in_operation(bearing, found, (0.0, 0.0) if self.model == "lagrange" else self._growths(bearing))
+
+    def unmounted_bearing(self) -> Bearing:
+        """The bearing's section in SI with the sizes of the scene, without faults of its surfaces."""
+        b, si, rigid, balls = self.bearing, self.bearing.si(), self.bodies.rigid, self.bearing.type == "ball"
+        roller = self.material.of("roller", "rollers" in rigid)  # elements have m cos α, see `section`
+        radii = {f"{name}_radius": 0.5 * si[f"{name}_diameter"]
+            for name in ("inner_raceway", "outer_raceway", "bore", "outside")}
+        shape: dict[str, Any] = dict(n_rollers=b.present, missing=tuple(sorted(b.missing_rollers)), **radii,
+            roller_radius=0.5 * si["roller_diameter"] * b.cosine, own_law=self.lagrange.own_law(),
+            roller=replace(roller, density=roller.density / b.cosine ** (2 if balls else 1)),
+            inner_ring=self.material.of("inner_ring", "inner_ring" in rigid),
+            outer_ring=self.material.of("outer_ring", "outer_ring" in rigid))
+        grooves = {f"{side}_groove_radius": 1e-3 * si[f"{side}_conformity"] * b.roller_diameter_mm
+            for side in ("inner", "outer") if balls}
+        return b.fact(BallBearing if balls else Bearing, **shape, **grooves)
+
+    def operating_clearance(self) -> OperatingClearance | None:
+        """How the clearance in operation comes about, films included; None: the scene has no [fit]."""
+        found = self.clearance_without_films()
+        return None if found is None else replace(found, film=self.film_loss())
+
+    def films(self, operation: Operation | None = None) -> tuple[Film, ...]:
+        """Of a lubricant, at an operating point of the section; None: the scene's."""
+        if self.lubricant is None:
+            return ()
+        return films(self.perfect_bearing(), operation or self.ideal_operation(), self.lubricant.lubricant())
+
+    def film_loss(self) -> float:
+        """Of clearance, diametral, by the films of a lubricant, m; < 0."""
+        return -2.0 * sum(film.thickness for film in self.films()) + 0.0  # not -0.0
+
+    def clearance_without_films(self) -> OperatingClearance | None:
+        """The same but for the films, which need the bearing that this makes."""
+        if self.fit is None or self.bearing.bore_diameter_mm == 0.0:  # a solid shaft has no fit
+            return None
+        bearing = self.unmounted_bearing()
+        return operating_clearance(bearing, self.fit.fit(), self.operation.ideal().speed, self._growths(bearing)[1])
+
+    def _growths(self, bearing):
+        """Of the radii of inner raceway and rollers, m, that elastic models give to bodies as they spin."""
+        return growths(bearing, kinematics(bearing, *self.operation.ideal().ring_speeds))
+
+    def ideal_cage(self) -> Cage | None:
+        """The cage in SI; None: there is none."""
+        return None if self.cage is None else self.cage.cage(self.perfect_bearing())
+
+    def ideal_axial(self) -> Axial | None:
+        """Profiles, slices and tilt in SI; None: the bearing is a plane section."""
+        return None if self.axial is None else self.axial.axial(self.perfect_bearing())
+
+    def ideal_operation(self) -> Operation:
+        """The operating point in SI, of the bearing's section."""
+        operation = replace(self.operation.ideal(), mounting=self._mounting())
+        return section_operation(self.perfect_bearing(), operation)
+
+    def mounting(self) -> Mounting:
+        """What the bearing's section stands in, in SI."""
+        return section_mounting(self.perfect_bearing(), self._mounting())
+
+    def _mounting(self):
+        return Mounting(**{} if self.support is None else self.support.parts(), shaft=self.operation.springs(),
+            sensor=None if self.sensor is None else self.sensor.fact(Sensor))
+
+    @property
+    def parts_of_tilt(self) -> tuple[str, ...]:
+        """Of `lagrange.columns.COLUMNS` that runs of rollers that tilt have."""
+        return ("axial", "damping of tilt")[: 1 + self.damping.contacts.acts] if self.axial is not None else ()
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Of `lagrange.columns.COLUMNS` that runs have beside those of every run."""
+        there = {"surfaces": self.ideal_bearing().faults, "cage": self.cage, "damping": self.damping.acts}
+        return *self.mounting().parts, *(name for name, is_there in there.items() if is_there), *self.parts_of_tilt
+
 
 parse_scene = Scene.parsed  # a scene from nested tables; SceneError: all that is wrong with them
 
@@ -168,7 +306,7 @@ FILED = {name: (kind, many) for name, field in Scene.model_fields.items()
     for kind, many in [table_of(field)] if kind is not None and kind.FILES}
 
 
-def _file_keys(data: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any], str, faults.File]]:
+def _file_keys(data):
     """Keys of a scene's tables that name files: place, table, key; tables of other forms are left to their checks."""
     for place, (kind, many) in FILED.items():
         given: Any = data.get(place)
@@ -239,7 +377,7 @@ def read_scene(
     return parse_scene(data, name)
 
 
-def _change(data: dict[str, Any], changes: Mapping[str, Any], changed: Iterable[str] = ()) -> None:
+def _change(data, changes, changed=()):
     """Set keys; refuse these, and others that were changed, where a table is in the value's place. SceneError."""
     for dotted, value in changes.items():
         set_key(data, dotted, value, dotted)

@@ -10,18 +10,19 @@ of σ.
 Equation (2) of docs/surfaces.md.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil, inf, pi
 from typing import NamedTuple
 
 import numpy as np
+from numpy import ndarray
 
 from lagrange.bearing import BallBearing, Bearing, Operation
-from lagrange.contact.hertz import Pair, contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import kinematics, turned
 from lagrange.surface import edges
-from lagrange.surface.faults import Body, Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness
+from lagrange.surface.faults import Film, MeasuredSurface, Spall, UnequalRoller, Waviness
 
 KNOTS_PER_SPALL = 200  # along its width; the kink in its middle is rounded within two of them, 0.3 % too low
 KNOTS_PER_WAVE = 64  # the spline misses a wave by 1e-7 of its amplitude
@@ -33,23 +34,22 @@ RINGING = 10  # knots beyond a kink after which a spline through it is off by a 
 class Falls(NamedTuple):
     """By how much a contact's energy falls, over its force, as the part that spalls take sinks and edges soften."""
 
-    part: np.ndarray | float = 0.0  # by the sinkage of the part
-    compliance: np.ndarray | float = 0.0  # N, by the compliance of edges across the whole length
-    part_compliance: np.ndarray | float = 0.0  # N, by that of the part's
+    part: ndarray | float = 0.0  # by the sinkage of the part
+    compliance: ndarray | float = 0.0  # N, by the compliance of edges across the whole length
+    part_compliance: ndarray | float = 0.0  # N, by that of the part's
 
 
-@dataclass(frozen=True, kw_only=True)
-class SurfaceDeviation:
+class SurfaceDeviation(NamedTuple):
     """What the contacts with one raceway meet, (..., n_rollers), of ring and roller together."""
 
-    sinkage: np.ndarray  # m
-    slopes: np.ndarray  # (2, ..., n_rollers), m/rad, as the angle on ring and on roller grows
-    softenings: np.ndarray  # the same of the compliance, m/N/rad
-    compliance: np.ndarray | float  # m/N, of edges; 0.0: no contact is near one
+    sinkage: ndarray  # m
+    slopes: ndarray  # (2, ..., n_rollers), m/rad, as the angle on ring and on roller grows
+    softenings: ndarray  # the same of the compliance, m/N/rad
+    compliance: ndarray | float  # m/N, of edges; 0.0: no contact is near one
     part: "SurfaceDeviation | None" = None  # what the part of the length that spalls take meets besides; None: nothing
 
     @property
-    def slope(self) -> np.ndarray:
+    def slope(self) -> ndarray:
         """Of both, m/rad."""
         return self.slopes[0] + self.slopes[1]
 
@@ -59,44 +59,35 @@ class SurfaceDeviation:
         return not isinstance(self.compliance, float)
 
     @property
-    def part_sinkage(self) -> np.ndarray | float:
+    def part_sinkage(self) -> ndarray | float:
         """Of the part of the length that spalls take, beside that of all of it, m."""
         return 0.0 if self.part is None else self.part.sinkage
-
-    def rows(self, which: slice) -> "SurfaceDeviation":
-        """Of some of the times alone."""
-        part = None if self.part is None else self.part.rows(which)
-        return SurfaceDeviation(
-            sinkage=self.sinkage[which], slopes=self.slopes[:, which], softenings=self.softenings[:, which], part=part,
-            compliance=self.compliance if isinstance(self.compliance, float) else self.compliance[which],
-        )  # fmt: skip
 
     def at_contact(self, falls: Falls) -> "SurfaceDeviation":
         """With the slopes that the surfaces have for contacts, see `Falls`; without tilt by ½ Q of the compliance."""
         slopes, part = self.slopes + falls.compliance * self.softenings, self.part
         if part is not None:
             slopes = slopes + falls.part * part.slopes + falls.part_compliance * part.softenings
-        return replace(self, slopes=slopes)
+        return self._replace(slopes=slopes)
 
-    def passing(self, ring_speed: float, roller_speed: float) -> np.ndarray:
+    def passing(self, ring_speed: float, roller_speed: float) -> ndarray:
         """Rate at which contacts close, m/s, because ring and rollers turn on under them at these speeds, rad/s."""
         return ring_speed * self.slopes[0] + roller_speed * self.slopes[1]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Profile:
+class Profile(NamedTuple):
     """Sinkages along circles, as periodic cubic B-splines; row 0 of those of rollers is a perfect one's."""
 
-    coefficients: np.ndarray  # (n_rows, n_knots), m; knots equally spaced from angle 0
-    compliance: np.ndarray | None  # (n_rows, n_knots), m/N, coefficients of what edges add; None: there are none
-    row: np.ndarray  # (n_rollers,), the row that each roller's contact meets
+    coefficients: ndarray  # (n_rows, n_knots), m; knots equally spaced from angle 0
+    compliance: ndarray | None  # (n_rows, n_knots), m/N, coefficients of what edges add; None: there are none
+    row: ndarray  # (n_rollers,), the row that each roller's contact meets
     spacing: float  # m, between knots along the surface
     spalls: tuple[tuple[int | None, float, float], ...] = ()  # roller, middle and half of each, with its edges, rad
     waves: float = inf  # m, between the knots that all but spalls would need; infinite: between spalls circles are
     # perfect
     part: "Profile | None" = None  # on the same knots, of spalls of part of the rollers' length; None: no such
 
-    def at(self, angle: np.ndarray) -> tuple:
+    def at(self, angle: ndarray) -> tuple:
         """Sinkage, its slope, compliance and its slope at angles of the rollers' contacts, (..., n_rollers), rad."""
         n = self.coefficients.shape[1]
         place = np.asarray(angle) * (n / (2.0 * pi))
@@ -108,7 +99,7 @@ class Profile:
         return *found, *(_cubic(soft, t, rate) if np.any(soft) else (0.0, 0.0))
 
 
-def _cubic(near: list[np.ndarray], t: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
+def _cubic(near, t, rate):
     """Values and slopes of a spline between two knots, from the four coefficients nearest; `rate`: of t, 1/rad."""
     c0, c1, c2, c3 = near
     powers = c0 + 4.0 * c1 + c2, 3.0 * (c2 - c0), 3.0 * (c0 - 2.0 * c1 + c2), c3 - c0 + 3.0 * (c1 - c2)
@@ -120,11 +111,11 @@ def _cubic(near: list[np.ndarray], t: np.ndarray, rate: float) -> tuple[np.ndarr
 class Turns:
     """How far bodies have turned since t = 0, rad, and how fast they turn, rad/s, in fixed axes."""
 
-    inner_ring: float | np.ndarray = 0.0
-    rollers: float | np.ndarray = 0.0  # about their own axes
+    inner_ring: float | ndarray = 0.0
+    rollers: float | ndarray = 0.0  # about their own axes
     inner_ring_speed: float = 0.0
     roller_speed: float = 0.0
-    outer_ring: float | np.ndarray = 0.0
+    outer_ring: float | ndarray = 0.0
     outer_ring_speed: float = 0.0
 
     @classmethod
@@ -140,8 +131,7 @@ class Turns:
 UNTURNED = Turns()
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Profiles:
+class Profiles(NamedTuple):
     """All surfaces of a bearing; None where they are perfect."""
 
     inner_ring: Profile | None
@@ -162,28 +152,28 @@ class Profiles:
     @property
     def highest(self) -> float:
         """How far a contact may close before the circles touch, m."""
-        low = [0.0 if profile is None else profile.coefficients.min() for profile in vars(self).values()]
+        low = [0.0 if profile is None else profile.coefficients.min() for profile in self]
         return max(0.0, -(min(low[:2]) + min(low[2:])))
 
     @property
     def deepest(self) -> float:
         """How far a contact may sink below where the circles touch, m."""
         high = [0.0 if p is None else (p.coefficients if p.part is None else p.coefficients + p.part.coefficients).max()
-                for p in vars(self).values()]  # fmt: skip
+                for p in self]  # fmt: skip
         return max(0.0, float(max(high[:2]) + max(high[2:])))
 
     @property
     def shortest(self) -> float:
         """The least distance between knots, m."""
-        return min(profile.spacing for profile in vars(self).values() if profile is not None)
+        return min(profile.spacing for profile in self if profile is not None)
 
     @property
     def shortest_of_waves(self) -> float:
         """The same of all but spalls; infinite: between these circles are perfect."""
-        return min(profile.waves for profile in vars(self).values() if profile is not None)
+        return min(profile.waves for profile in self if profile is not None)
 
 
-def _deviation(bodies: tuple[Profile | None, ...], angles: tuple) -> SurfaceDeviation:
+def _deviation(bodies, angles):
     """Of contacts at angles on the ring and on the rollers, rad."""
     flat = np.zeros(np.broadcast_shapes(*map(np.shape, angles)))
     pairs = zip(bodies, angles, strict=True)
@@ -211,7 +201,7 @@ def profiles(bearing: Bearing) -> Profiles | None:
     )
 
 
-def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: edges.Meeting) -> Profile | None:
+def _profile(bearing, body, pair, meeting):
     faults = [fault for fault in bearing.faults if fault.body == body]
     if not faults:
         return None
@@ -220,17 +210,17 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: edges.Meeting) -
         own, other = other, own
     circles = edges.Circles(own, other, meeting, bearing.element_radius)
     needed = [_knots(fault, circles) for fault in faults]
-    smooth = [count for fault, count in zip(faults, needed, strict=True) if not isinstance(fault, Spall)]
+    smooth = [_knots(fault, circles) for fault in faults if not isinstance(fault, Spall)]
     n, spalls = max(FEWEST_KNOTS, *needed), [fault for fault in faults if isinstance(fault, Spall)]
     rollers = sorted({fault.roller for fault in faults if fault.roller is not None})
     row = np.zeros(bearing.n_rollers, dtype=np.int64)
     row[rollers] = np.arange(1, len(rollers) + 1)
     of_part = [spall for spall in spalls if spall.is_part(bearing)]
 
-    def half(spall: Spall) -> float:  # from its middle to where contacts are sound, rad
+    def half(spall):  # from its middle to where contacts are sound, rad
         return max(circles.half_angle(spall), edges.reach(spall, circles)) + RINGING * 2.0 * pi / n
 
-    def profile(taken: list, part: Profile | None = None) -> Profile:
+    def profile(taken, part=None):
         soft = any(isinstance(fault, Spall) for fault in taken) and not isinstance(bearing, BallBearing)
         rows = [[fault for fault in taken if fault.roller == number] for number in (None, *rollers)]
         sunk, softer = np.swapaxes([_along(some, circles, n, soft) for some in rows], 0, 1)
@@ -244,10 +234,10 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: edges.Meeting) -
         return profile(faults)
     part = profile(of_part)  # off spalls exactly nothing: contacts there look no more up
     clean = np.where(np.abs(part.coefficients) > FAINT, part.coefficients, 0.0)
-    return profile([fault for fault in faults if fault not in of_part], replace(part, coefficients=clean))
+    return profile([fault for fault in faults if fault not in of_part], part._replace(coefficients=clean))
 
 
-def _knots(fault: Fault, circles: edges.Circles) -> int:
+def _knots(fault, circles):
     """Knots around the circle that a fault needs."""
     if isinstance(fault, Spall):
         return ceil(2.0 * pi * circles.own * KNOTS_PER_SPALL / fault.width)
@@ -256,7 +246,7 @@ def _knots(fault: Fault, circles: edges.Circles) -> int:
     return KNOTS_PER_WAVE * fault.order if isinstance(fault, Waviness) else FEWEST_KNOTS
 
 
-def _along(faults: list[Fault], circles: edges.Circles, n: int, soft: bool) -> np.ndarray:
+def _along(faults, circles, n, soft):
     """Sinkage, m, and where contacts are `soft` at edges ΔB, at the knots, (2, n)."""
     angle, found = 2.0 * pi * np.arange(n) / n, np.zeros((2, n))
     sunk, softer = found
@@ -279,8 +269,8 @@ def _along(faults: list[Fault], circles: edges.Circles, n: int, soft: bool) -> n
     return found
 
 
-def _spline(samples: np.ndarray) -> np.ndarray:
+def _spline(samples):
     """Coefficients of the periodic cubic B-splines through equally spaced samples, along the last axis."""
-    n = samples.shape[-1]
-    wave = 2.0 * pi * np.fft.rfftfreq(n)
-    return np.fft.irfft(np.fft.rfft(samples) * 3.0 / (2.0 + np.cos(wave)), n=n)
+    from scipy.ndimage import spline_filter1d
+
+    return spline_filter1d(samples, mode="grid-wrap")

@@ -172,7 +172,7 @@ def reach(spall: Spall, circles: Circles) -> float:
 
 
 @lru_cache(maxsize=64)
-def _table(opening: float, depth: float, edge: float, circles: Circles) -> tuple[np.ndarray, np.ndarray]:
+def _table(opening, depth, edge, circles):
     """Angles from the middle of a spall of half an opening, a depth and an edge's radius, m, and ΔB; 0 at the last."""
     radius = 1.0 / circles.curvature
     widths = HALF_WIDTHS * radius
@@ -200,7 +200,7 @@ def _table(opening: float, depth: float, edge: float, circles: Circles) -> tuple
     return angle, np.maximum((found - found[:, -1:]).mean(axis=0), 0.0)
 
 
-def _approaches(gaps: np.ndarray, cells: np.ndarray, units: np.ndarray) -> np.ndarray:
+def _approaches(gaps, cells, units):
     """Approaches over the least gap, over A·Q, (n_units, n_positions), up to numbers that are the same for all.
 
     `units` : A·Q, m, rising; the force Q that makes a half-width b on the sound surface has A·Q = b²/(2R)
@@ -226,7 +226,7 @@ def _approaches(gaps: np.ndarray, cells: np.ndarray, units: np.ndarray) -> np.nd
     return found
 
 
-def _press(gap: np.ndarray, influence: np.ndarray, closed: np.ndarray) -> tuple[float, np.ndarray]:
+def _press(gap, influence, closed):
     """Approach under a unit force, and the cells that carry it; `closed` to begin with, (n,)."""
     if not closed.any():
         closed = gap < 0.5

@@ -8,12 +8,12 @@ import json
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache
 from math import sqrt
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from lagrange.errors import exceeds
-from lagrange.files.tables import MOST_ROWS, columns
+from lagrange.files.tables import rising
 
 ANGLE, HEIGHT = "angle_deg", "height_um"
 FEWEST_POINTS = 16
@@ -22,8 +22,7 @@ AGAIN = 1e-6  # degrees, µm: two values that are the same
 LARGEST_GAP = 3.0  # times the usual distance of two angles
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class HeightTable:
+class HeightTable(NamedTuple):
     """Heights around one turn; arrays (n_points,)."""
 
     angle: np.ndarray  # rad, rising, less than a turn from first to last
@@ -37,16 +36,8 @@ def height_table(text: str, decimal: str = ".") -> HeightTable:
     ValueError, a sentence on the text: columns missing or twice, a row that can't be read, too few or too many
     points, angles that do not rise, more than a turn, a gap, also at the seam, or two heights there.
     """
-    found = columns(text, (ANGLE, HEIGHT), decimal)
-    if not np.all(np.isfinite(found)) or np.any(np.abs(found[:, 0]) > 10.0 * FULL_TURN):
-        raise ValueError(f"a value is not finite, or no {ANGLE} of a turn")
-    angle, height = found.T
-    if not FEWEST_POINTS <= len(angle) <= MOST_ROWS:
-        raise ValueError(f"it holds {len(angle)} points; at least {FEWEST_POINTS} and at most {MOST_ROWS} are allowed")
+    angle, height = rising(text, (ANGLE, HEIGHT), decimal, FEWEST_POINTS).T
     steps = np.diff(angle)
-    if np.any(steps <= 0.0):
-        at = int(np.argmax(steps <= 0.0))
-        raise ValueError(f"{ANGLE} must rise from row to row: after {angle[at]:g} comes {angle[at + 1]:g}")
     seam = FULL_TURN - (angle[-1] - angle[0])
     if abs(seam) <= AGAIN:
         if abs(height[-1] - height[0]) > AGAIN:

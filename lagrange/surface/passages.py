@@ -1,10 +1,9 @@
 """Rollers' passages over spalls: where each contact lies, and the entry, strike and exit of each."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
 from math import asin, inf, pi
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -26,8 +25,7 @@ HOUSING = OF_HOUSING[:2]  # where there is one
 Read = Callable[[int, int], Mapping[str, np.ndarray]]  # COLUMNS and HOUSING from one sample up to another, by name
 
 
-@dataclass(frozen=True, kw_only=True)
-class Passage:
+class Passage(NamedTuple):
     """One contact near one spall, over samples that follow each other; arrays (n,)."""
 
     spall: int  # number of the spall, in the order of the scene
@@ -100,16 +98,14 @@ def find_passages(bearing: Bearing, operation: Operation, read: Read, count: int
     return passages
 
 
-def _contacts(bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray], raceway: Raceway):
+def _contacts(bearing, operation, samples, raceway):
     """Angles of contacts on the ring and on the rollers, rad, and sliding, m/s, (n_times, n_rollers)."""
     time, turn = samples["time"][:, None], samples["roller_turn"]
     way, acting = turned(bearing, operation, time), operation.at(time)
     inner_x, inner_y, x, y = from_outer_ring(samples, "inner", "roller")
-    if raceway == "inner":
-        x, y = x - inner_x[:, None], y - inner_y[:, None]
-    direction = np.unwrap(np.arctan2(y, x), axis=0)
-    along = np.hypot(x, y) * np.gradient(direction, samples["time"], axis=0)
-    turning = bearing.roller_radius * samples["roller_spin"]
+    from_centre = x + 1j * y - (inner_x + 1j * inner_y)[:, None] * (raceway == "inner")
+    direction, turning = np.unwrap(np.angle(from_centre), axis=0), bearing.roller_radius * samples["roller_spin"]
+    along = np.abs(from_centre) * np.gradient(direction, samples["time"], axis=0)
     if raceway == "outer":
         sliding = along + turning - acting.outer_speed * bearing.outer_raceway_radius
         return direction - way.outer_ring, direction - turn, sliding
@@ -123,8 +119,7 @@ FROM, UNTIL = -0.1, 2.0  # half-widths from the middle, on the way out: where a 
 SAMPLES = 9.0  # in a vibration of a roller on its contacts: peaks are then found to some per cent (docs/surfaces.md)
 
 
-@dataclass(frozen=True, kw_only=True)
-class SpallEvent:
+class SpallEvent(NamedTuple):
     """One instant of a passage."""
 
     time: float  # s
@@ -171,16 +166,16 @@ def spall_events(passages: Iterable[Passage]) -> list[SpallEvent]:
     return sorted(found, key=lambda event: (event.time, event.spall, event.roller, event.raceway, event.kind))
 
 
-def _events(passage: Passage) -> Iterator[SpallEvent]:
+def _events(passage):
     half, angle, time, force = passage.half_width, passage.angle, passage.time, passage.force
 
-    def event(kind: Kind, time, force, sliding) -> SpallEvent:
+    def event(kind, time, force, sliding):
         return SpallEvent(
             time=float(time), roller=passage.roller, spall=passage.spall, raceway=passage.raceway, kind=kind,
             force=float(force), sliding_speed=float(sliding),
         )  # fmt: skip
 
-    def crossing(kind: Kind, i: int, edge: float) -> SpallEvent:
+    def crossing(kind, i, edge):
         share = (edge - angle[i]) / (angle[i + 1] - angle[i])
         pressed, slides = (_between(row, i, share) for row in (force, passage.sliding))
         return event(kind, time[i] + share * (time[i + 1] - time[i]), max(0.0, pressed), slides)
@@ -205,7 +200,7 @@ def _events(passage: Passage) -> Iterator[SpallEvent]:
         yield crossing("exit", i, half * way[i])
 
 
-def _between(row: np.ndarray, i: int, share: float) -> float:
+def _between(row, i, share):
     """A row of samples between i and i + 1, by the cubic through the four nearest; at its ends by a straight line."""
     if not 1 <= i < len(row) - 2:
         return row[i] + share * (row[i + 1] - row[i])
@@ -214,7 +209,7 @@ def _between(row: np.ndarray, i: int, share: float) -> float:
     return float(np.dot(weights, row[i - 1 : i + 3]))
 
 
-def _strike(passage: Passage, i: int, following: int, onward: np.ndarray, entering: float) -> int | None:
+def _strike(passage, i, following, onward, entering):
     """Its sample after an entry between samples i and i + 1, under a force, N, before the `following` one; or None.
 
     `onward` : (n,), rad, angles from the middle on the way of the entry

@@ -97,7 +97,7 @@ def figures_table(run: dict[str, Measured], titles: dict[str, str], sparse: dict
     ours, soft, facets, polygon = (run[name] for name in ("ours", NEAREST, SIDEWAYS, POLYGONS))
     stepped, coarse = run["soft"], sparse[SIDEWAYS]
     F, wanted = np.array(HARRIS_POINTS).T
-    off = float(np.max(np.abs(delta_star(F[1:-1]) / wanted[1:-1] - 1.0)))
+    off = float(np.max(np.abs(np.array([delta_star(f) for f in F[1:-1]]) / wanted[1:-1] - 1.0)))
     return markdown_table(
         ["figure", "quantity", "paper", "ours", "what makes such numbers, and the run that shows it"],
         [

@@ -41,8 +41,7 @@ from fem.statics.contact_balance import ROUND_OFF, Loads, hub_spring, hub_stiffn
 from fem.statics.equilibrium import Equilibrium, Tilting, equilibrium
 from fem.statics.exact_statics import exact_contacts, kept_contacts
 from lagrange import Bearing, Kinematics, Operation
-from lagrange.axial import Axial
-from lagrange.axial.slices import MORE
+from lagrange.axial.slices import MORE, Axial
 from lagrange.bearing import Cage
 from lagrange.errors import UsageError
 from lagrange.first_state import Passing, passing, places_moving, tilts_moving

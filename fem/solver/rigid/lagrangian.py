@@ -213,7 +213,7 @@ class LagrangianPlan(RigidPlan):
             found = static_equilibrium(self.bearing, self.operation, problem.laws)
         except RuntimeError as error:
             raise RunFailed(str(error)) from None
-        forces = vars(found) if self.axial is None else self.begin.samples
+        forces = found._asdict() if self.axial is None else self.begin.samples
         return {
             "degrees of freedom": f"{self.degrees_of_freedom} ({options.angles} angles)",
             "contact law": f"{options.law}, {problem.laws.inner.range}", "damping of a contact": problem.damping.words,

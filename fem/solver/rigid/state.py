@@ -27,8 +27,7 @@ from fem.solver.solver import ROUND_OFF, Block, Numbers
 from fem.solver.start import Tables
 from fem.statics.exact_statics import ReducedBearing, neighbours_of
 from lagrange import Bearing, Operation
-from lagrange.axial import Axial, contact_tables
-from lagrange.axial.slices import steepest_slope
+from lagrange.axial.slices import Axial, contact_tables, steepest_slope
 from lagrange.bearing import Cage
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import LogarithmicLaw, PowerLaw

@@ -155,7 +155,7 @@ def equilibrium_state(
 
     RuntimeError: no equilibrium.
     """
-    first, n = roller_angles(bearing, operation.first_roller_angle), bearing.n_rollers
+    first = roller_angles(bearing, operation.first_roller_angle)
 
     def moment(shift, place):
         angles = first + turned(bearing, operation, shift).cage
@@ -176,7 +176,7 @@ def equilibrium_state(
         return np.array([still.outer_force @ np.cos(first), still.outer_force @ np.sin(first)])
 
     ring = ring_place(operation.mounting, weight_on_springs(bearing, operation), force_at)
-    now, rates = still_at(0.0, ring), np.zeros(4 + 2 * n)
+    now = still_at(0.0, ring)
     values, directions = followed(now.radial_stiffness, bearing, operation)
     warning = SOFT if values.size < 2 and operation.fastest > 0.0 else None
     if axial is not None:

@@ -20,31 +20,28 @@ from fem.solver.simulate import make_plan, run
 from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium
 from lagrange.errors import UsageError
-from lagrange.scene.scene import SceneError, read_scene
+from lagrange.scene.scene import read_scene
 from tests.reference.kit import read_instant, sets, unchecked_copy
 
+OPTIONS = ["--mesh-size", "2", "--quiet"]
 EVERY = sets("output.fields_every_ms=0.5")
 
 
 @pytest.fixture(scope="module")
 def with_fields(tmp_path_factory):
-    """The shared coarse run, with fields."""
     path = tmp_path_factory.mktemp("fields") / "fields.nc"
-    assert run_main(["--mesh-size", "2", "--duration", "4", "--output", str(path), "--quiet", *EVERY]) == 0
+    assert run_main([*OPTIONS, *EVERY, "--duration", "4", "--output", str(path)]) == 0
     return path
 
 
 def changed(path, folder, change):
-    """A copy of a result file, with a change made in it."""
     path = unchecked_copy(path, folder / "copy.nc")
     with h5py.File(path, "r+") as file:
         change(file)
     return path
 
 
-def test_frames_are_at_the_samples_asked_for_take_the_room_announced_and_change_nothing(
-    with_fields, coarse_run, capsys
-):
+def test_frames_are_at_samples_asked_for_take_the_room_announced_and_change_nothing(with_fields, coarse_run, capsys):
     with h5py.File(with_fields) as file, h5py.File(coarse_run) as plain:
         group = file[GROUP]
         assert group["sample"][:].tolist() == list(range(0, 401, 50))
@@ -62,8 +59,6 @@ def test_frames_are_at_the_samples_asked_for_take_the_room_announced_and_change_
         assert fields["inner_ring_displacement"].attrs["units"] == "m"
     assert run_main(["--mesh-size", "2", "--duration", "4", "--dry-run", *EVERY]) == 0
     assert "9, one every 0.5 ms, 0.151 MB" in capsys.readouterr().out
-    with pytest.raises(SceneError, match=r"output\.fields_every_ms = 0\.005 must not be below .* \(0\.01 ms\)"):
-        read_scene(None, ("output.fields_every_ms=0.005",))
 
 
 def test_stored_fields_have_the_runs_elastic_energy_and_recovered_ones_but_for_waves(with_fields, coarse_run):
@@ -80,7 +75,6 @@ def test_stored_fields_have_the_runs_elastic_energy_and_recovered_ones_but_for_w
 
 
 def test_stored_stress_and_displacement_belong_together_in_the_fixed_axes(with_fields):
-    """The most loaded roller, near the load line, is shortened along y and bulges along x."""
     instant = StoredRun(with_fields).instant(250)
     disc, j = instant.model.roller, int(instant.inner_force.argmax())
     local = (disc.stress @ instant.rollers[j].ravel()).reshape(-1, 3)
@@ -88,10 +82,8 @@ def test_stored_stress_and_displacement_belong_together_in_the_fixed_axes(with_f
         group = file[GROUP]
         stored = group["roller_stress"][5, j]
         k = int(file["inner_force"][400].argmax())
-        placed, moved = (
-            rotated(group["roller_points"][:], group["roller_turn"][-1, k]),
-            group["roller_displacement"][-1, k],
-        )
+        placed = rotated(group["roller_points"][:], group["roller_turn"][-1, k])
+        moved = group["roller_displacement"][-1, k]
         angle = np.arctan2(file["roller_y"][400, k], file["roller_x"][400, k])
     assert stored == pytest.approx(turned(local, instant.roller_turn[j]), abs=1e-5 * np.abs(local).max())
     assert np.abs(stored).max() > 5e6
@@ -101,7 +93,6 @@ def test_stored_stress_and_displacement_belong_together_in_the_fixed_axes(with_f
 
 @pytest.mark.parametrize("stop_at", [50, 63])
 def test_a_resumed_run_has_every_frame_once(tmp_path, stop_at):
-    """Of a run stopped after some samples, between a frame and its sample."""
     keys = ("numerics.mesh_size_mm=2.0", "numerics.duration_ms=1.0", "output.fields_every_ms=0.25")
     plan = make_plan(read_scene(None, keys))
     path, state, short = tmp_path / "run.nc", plan.first_state(), replace(plan, n_samples=stop_at)
@@ -121,11 +112,11 @@ def test_a_resumed_run_has_every_frame_once(tmp_path, stop_at):
         assert instant.elastic_energy == pytest.approx(instant.stored_elastic_energy, rel=1e-6)
 
 
-def test_a_file_whose_frames_are_gone_is_not_gone_on_with_and_those_beyond_its_samples_not_trusted(
+def test_a_file_without_its_frames_is_not_gone_on_with_and_those_beyond_its_samples_not_trusted(
     with_fields, tmp_path, capsys
 ):
     path = tmp_path / "run.nc"
-    options = ["--mesh-size", "2", "--output", str(path), "--quiet", *EVERY, "--duration"]
+    options = [*OPTIONS, *EVERY, "--output", str(path), "--duration"]
     assert run_main([*options, "1"]) == 0
     with h5py.File(path, "r+") as file:
         del file[GROUP]
@@ -142,47 +133,32 @@ def test_a_file_whose_frames_are_gone_is_not_gone_on_with_and_those_beyond_its_s
         read_instant(path, 2e-3)
 
 
-# Fields recovered from a result file: against the equilibrium they came from and the stored energy
-
-
-@pytest.fixture(scope="module")
-def static(tmp_path_factory):
-    """Static equilibrium of the paper's bearing at 2 mm, turning at 4500 rpm without friction."""
-    path = tmp_path_factory.mktemp("static") / "static.nc"
-    wanted = ["--mesh-size", "2", "--duration", "0", *sets("contact.friction_coefficient=0"), "--output", str(path)]
-    assert run_main([*wanted, "--quiet"]) == 0
-    return read_instant(path)
-
-
-def test_fields_are_those_of_the_equilibrium_the_run_started_from(static):
-    operation = static.operation
-    motion = rolling_motion(static.model, operation, 0.0)
-    wanted = equilibrium(static.model, motion, Loads.of(operation))
+def test_fields_are_those_of_the_equilibrium_the_run_started_from_and_surfaces_meet_below_the_grid(tmp_path):
+    path = tmp_path / "static.nc"
+    assert run_main([*OPTIONS, "--duration", "0", *sets("contact.friction_coefficient=0"), "--output", str(path)]) == 0
+    static = read_instant(path)
+    motion = rolling_motion(static.model, static.operation, 0.0)
+    wanted = equilibrium(static.model, motion, Loads.of(static.operation))
     for field in ("inner_ring", "outer_ring", "rollers"):
         exact = getattr(wanted, field)
         assert np.abs(exact).max() > 1e-8
         # the stored positions place the patches one pass further on: 1e-7 of a spacing
         assert getattr(static, field) == pytest.approx(exact, rel=0.0, abs=1e-6 * np.abs(exact).max()), field
     assert static.elastic_energy == pytest.approx(static.stored_elastic_energy, rel=1e-5)
-
-
-def test_recovered_surfaces_meet_at_the_approach_below_the_grid(static):
     model, bearing = static.model, static.model.bearing
     inner, disc = model.inner_ring, model.roller
     for j in np.flatnonzero(static.inner_force > 10.0):
-        angle = static.inner_angle[j]
-        normal = np.array([np.cos(angle), np.sin(angle)])
+        angle, force = static.inner_angle[j], static.inner_force[j]
         nodes, weight, offset = patch(inner.n_sectors, angle - static.ring_turn)
         u = static.inner_ring[inner.raceway_row][:, nodes]
         out_ring = weight @ (u[0] * np.cos(offset) + u[1] * np.sin(offset))
         sector = np.mod((angle - static.ring_turn) * inner.n_sectors / (2 * pi), inner.n_sectors)
         surface = disc.shape.surface_nodes
         nodes, weight, _ = patch(surface, angle + pi)
-        out_roller = -weight @ static.rollers[j][disc.first_surface_node + nodes] @ normal
+        out_roller = -weight @ static.rollers[j][disc.first_surface_node + nodes] @ [np.cos(angle), np.sin(angle)]
         place = np.mod((angle + pi) * surface / (2 * pi), surface)
         ripple = ripple_at(sector, model.inner_surface.ripple)[0] + ripple_at(place, model.roller_surface.ripple)[0]
         apart = np.hypot(*(static.centres[j] - static.hub)) - bearing.inner_raceway_radius - bearing.roller_radius
-        force = static.inner_force[j]
         expected = model.inner_law.approach(force) + ripple * force
         assert out_ring + out_roller - apart == pytest.approx(expected, rel=1e-6)
 
@@ -201,7 +177,6 @@ def test_load_zone_orbit_and_times(coarse_run, tmp_path):
 
 
 def test_tractions_enter_the_fields(coarse_run, tmp_path):
-    """Equal and opposite tractions on a roller shear it by what Coulomb's largest would: far from nothing."""
 
     def pull(file):
         file["inner_traction"][-1] = 0.1 * file["inner_force"][-1]

@@ -25,10 +25,9 @@ from fem.contacts.resolved import ResolvedModel
 from fem.contacts.subgrid import SubgridModel
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
 from fem.elastic.continuum import patch_displacement, plane_compliance, ring_sections
-from fem.elastic.reciprocal_mass import LUMPED, SECOND, ReciprocalMass
+from fem.elastic.reciprocal_mass import LUMPED, ReciprocalMass
 from fem.kernels.columns import BLOCKS, N_SCALARS
 from fem.kernels.elements.loop import advance
-from fem.kernels.elements.state import Drive
 from fem.pictures.recover import StoredRun
 from fem.solver import simulate
 from fem.solver.elements.arrays import Arrays, Start, equilibrium_start, make_arrays, rest_start
@@ -292,6 +291,18 @@ def caged(model: str, duration_ms: float, cage: dict, numerics: dict | None = No
     return Caged(scene, found.values, float(np.abs(found.imbalance).max() / passed))
 
 
+def housing_left(result, guide=0.0) -> tuple[np.ndarray, np.ndarray]:
+    """What a housing's forces leave of its inertia, and this, N, x + iy; `guide` : a cage's force on its ring, N."""
+    housing, angle = result.scene.mounting().housing, result["roller_theta"]
+    mass = housing.mass + result.scene.ideal_bearing().outer_ring_mass
+    place = result["housing_x"] + 1j * result["housing_y"]
+    push = result["outer_force"] - 1j * result.values.get("outer_traction", 0.0)
+    push = np.sum(push * np.exp(1j * angle), axis=1) + guide
+    push = push - housing.stiffness * place - housing.damping * np.gradient(place, result["time"])
+    inertia = mass * (result["housing_ax"] + 1j * result["housing_ay"])
+    return push - 1j * mass * result.scene.ideal_operation().gravity - inertia, inertia
+
+
 # ---- Result files: options of short runs, what is left in a folder, copies whose content a test may change.
 
 EARLIER = SIGNATURE + b"an earlier result"
@@ -549,17 +560,9 @@ def couplings(model: ReducedBearing, angle: np.ndarray) -> np.ndarray:
     return found
 
 
-# ---- Further bodies of the time loops on springs and dashpots: a drive for one alone, and how it rings down.
+# ---- A pedestal, and how it rings down.
 
 PEDESTAL = {"kind": "housing"}  # its defaults: 12.638 kg, 15.1e6 N/m, 2210.7 N s/m
-
-
-def drive(dt: float, gravity: float = 0.0) -> Drive:
-    arrays = {name: np.zeros(6) for name in ("hub", "velocity", "frame", "impulse", "moment", "sums")}
-    return Drive(
-        **arrays, speed=0.0, radial_load=0.0, ramp=0.0, slowed=np.zeros((2, 2)), mass=1.0, late_mass=1.0,
-        gravity=gravity, dt=dt, slowing=SECOND.at(dt).waves, calming=0.0,
-    )  # fmt: skip
 
 
 def ring_down(values: np.ndarray, dt: float) -> tuple[float, float]:

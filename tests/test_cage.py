@@ -235,8 +235,8 @@ def test_a_cage_that_rollers_would_wedge_harder_than_raceways_load_them_is_refus
     """On the circle of radius 25 µm they are 10 µm beyond pockets of 15 µm."""
     with pytest.raises(UsageError, match=r"pocket_clearance_mm = 0\.03.*by 10 µm, which takes 1e\+03 N.*clearance"):
         cage_seat(PAPER, cage_of(pocket_clearance=30e-6), ANGLE, np.concatenate([0.0 * SHIFT, SHIFTED]), 990.0)
-    tables = {"model": "reduced", "material": {"outer_ring": {"youngs_modulus_GPa": 10.0}}, "cage": {
-              "guidance": "rollers", "pocket_clearance_mm": 0.005, "stiffness_N_per_m": 1e9}}  # fmt: skip
+    tables = {"model": "reduced", "material": {"outer_ring": {"youngs_modulus_GPa": 10.0}},
+              "cage": {"guidance": "rollers", "pocket_clearance_mm": 0.005, "stiffness_N_per_m": 1e9}}  # fmt: skip
     with pytest.raises(UsageError, match="does not fit"):
         make_plan(parse_scene(tables, ""))
     assert_array_equal(make_plan(parse_scene(tables | {"numerics": {"start": "rest"}}, "")).seat, np.zeros(2))
@@ -435,9 +435,9 @@ def test_a_cage_in_a_housing(model, guidance, limit):
     """The guide's force is the housing's too, in its equation of motion, over means of 0.1 ms: waves in the ring of
     finite elements are faster; the checker's terms of the hub add up, and energies balance."""
     clearance = {} if guidance == "rollers" else {"guidance_clearance_mm": 0.02}
-    result = simulate(parse_scene({"model": model, "lagrange": FREE, **HOUSED, "cage": {"guidance": guidance,
-                      "pocket_clearance_mm": 0.2, "mass_kg": 0.2, **clearance}, "numerics": {"duration_ms": 3.0,
-                      "start": "rest", "load_ramp_ms": 0.2, "output_interval_us": 2.0, **COARSE}}, ""))  # fmt: skip
+    cage = {"guidance": guidance, "pocket_clearance_mm": 0.2, "mass_kg": 0.2, **clearance}
+    numerics = {"duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.2, "output_interval_us": 2.0, **COARSE}
+    result = simulate(parse_scene({"model": model, "lagrange": FREE, **HOUSED, "cage": cage, "numerics": numerics}, ""))
     assert balance_of(result) < limit
     guide = result["cage_guidance_y"]
     rest, inertia = housing_left(result, guide=-1j * guide if guidance == "outer_ring" else 0.0)
@@ -478,9 +478,9 @@ GUIDES = {"rollers": {}, "inner ring": {"guidance": "inner_ring", "guidance_clea
 def momentum(going):
     """Of all that moves, half a step before, N s, x + iy"""
     bodies = going.state.bodies
+    cage, elements = bodies.cage.cage, bodies.velocity[:, : bodies.n].sum(axis=1)
     moving = ((bodies.hub_mass, bodies.hub_velocity), (bodies.housing.mass, bodies.housing.velocity),
-              (bodies.cage.cage.mass, bodies.cage.cage.motion[1]), (bodies.mass, bodies.velocity[:, :
-              bodies.n].sum(axis=1)))  # fmt: skip
+              (cage.mass, cage.motion[1]), (bodies.mass, elements))  # fmt: skip
     return sum(mass * complex(velocity[0], velocity[1]) for mass, velocity in moving)
 
 

@@ -294,12 +294,13 @@ def test_loads_and_hub_of_a_running_bearing_are_those_of_finite_elements_which_e
 
 def test_contacts_beyond_the_range_of_their_law_do_not_decide_on_the_step():
     """Under ten times the largest static force the law's two contacts of a roller would push one another in."""
-    plan = scene_with({"bearing": {"rollers": 4, "roller_diameter_mm": 3.1423, "roller_length_mm": 3.857,
-                      "inner_raceway_diameter_mm": 4.2146, "outer_raceway_diameter_mm": 10.6093, "bore_diameter_mm":
-                      2.9746, "outside_diameter_mm": 15.05}, "operation": {"speed_rpm": 19000, "radial_load_N": 1100,
-                      "inner_ring_and_shaft_kg": 2e-3, "shaft": "springs", "shaft_stiffness_N_per_m": 1.5e7},
-                      "material": {body: {"youngs_modulus_GPa": 3.6} for body in ("roller", "inner_ring")},
-                      "numerics": {"mesh_size_mm": 0.5}})  # fmt: skip
+    bearing = {"rollers": 4, "roller_diameter_mm": 3.1423, "roller_length_mm": 3.857, "bore_diameter_mm": 2.9746,
+               "inner_raceway_diameter_mm": 4.2146, "outer_raceway_diameter_mm": 10.6093,
+               "outside_diameter_mm": 15.05}  # fmt: skip
+    operation = {"speed_rpm": 19000, "radial_load_N": 1100, "inner_ring_and_shaft_kg": 2e-3, "shaft": "springs",
+                 "shaft_stiffness_N_per_m": 1.5e7}  # fmt: skip
+    soft = {body: {"youngs_modulus_GPa": 3.6} for body in ("roller", "inner_ring")}
+    plan = scene_with({"bearing": bearing, "operation": operation, "material": soft, "numerics": {"mesh_size_mm": 0.5}})
     rocking = 4.0 / float(plan.tangential.min()) / plan.model.bearing.roller_mass
     shaft = plan.operation.mounting.shaft.stiffness / plan.operation.inner_mass
     assert 0.1 < plan.critical_time_step * 0.5 * np.sqrt(max(rocking, shaft)) < 1.0
@@ -401,12 +402,12 @@ def test_load_zones_of_soft_rings_do_not_gain_and_lose_force_together():
     """
     plastic = (("roller", 3.9, 8000.0, 0.36), ("inner_ring", 1.1, 8300.0, 0.05), ("outer_ring", 3.4, 14_700.0, 0.06))
     keys = "youngs_modulus_GPa", "density_kg_m3", "poisson_ratio"
-    plan = scene_with({"bearing": {"rollers": 41, "roller_diameter_mm": 27.2, "roller_length_mm": 17.0,
-                      "inner_raceway_diameter_mm": 495.0, "outer_raceway_diameter_mm": 549.4, "bore_diameter_mm": 204.0,
-                      "outside_diameter_mm": 656.0}, "material": {body: dict(zip(keys, values, strict=True)) for body,
-                      *values in plastic}, "operation": {"speed_rpm": 1380.0, "radial_load_N": 4900.0,
-                      "inner_ring_and_shaft_kg": 68.0}, "numerics": {"duration_ms": 2.0, "start": "rest",
-                      "load_ramp_ms": 0.2}})  # fmt: skip
+    bearing = {"rollers": 41, "roller_diameter_mm": 27.2, "roller_length_mm": 17.0, "inner_raceway_diameter_mm": 495.0,
+               "outer_raceway_diameter_mm": 549.4, "bore_diameter_mm": 204.0, "outside_diameter_mm": 656.0}  # fmt: skip
+    material = {body: dict(zip(keys, values, strict=True)) for body, *values in plastic}
+    operation = {"speed_rpm": 1380.0, "radial_load_N": 4900.0, "inner_ring_and_shaft_kg": 68.0}
+    plan = scene_with({"bearing": bearing, "material": material, "operation": operation,
+                       "numerics": {"duration_ms": 2.0, "start": "rest", "load_ramp_ms": 0.2}})  # fmt: skip
     assert plan.relaxation_factor < 0.7
     state, _, told = ran(plan)
     assert told == [] and abs(state.imbalance) < 1e-3
@@ -719,8 +720,9 @@ def test_the_cut_into_blocks_changes_no_bit():
 def test_a_run_that_dissipates_fifty_times_what_it_exchanges_needs_no_shorter_steps(monkeypatch):
     """Its imbalance comes to 5e-6 of the exchanged energy and more, its energy error stays at 1e-6."""
     monkeypatch.setattr("fem.solver.rigid.state.LIMIT", 3e-6)
-    *_, told = ran(make_plan(parse_scene({"model": "reduced", "bearing": {"designation": "NU206", "clearance_um": 20.0},
-                   "operation": {"speed_rpm": 9000.0, "radial_load_N": 1500.0}, "cage": {"drag_torque_N_m": 0.3},
-                   "spall": [{"body": "outer_ring", "width_mm": 0.5}], "numerics": {"duration_ms": 40.0,
-                   "output_interval_us": 20.0}}, "drag")))  # fmt: skip
+    *_, told = ran(plan_of(
+        "bearing.designation=NU206", "bearing.clearance_um=20", "operation.speed_rpm=9000", "numerics.duration_ms=40",
+        "operation.radial_load_N=1500", "cage.drag_torque_N_m=0.3", "spall.0.width_mm=0.5",
+        "numerics.output_interval_us=20",
+    ))  # fmt: skip
     assert told == []

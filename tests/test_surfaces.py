@@ -277,12 +277,13 @@ def test_balls_on_waves_move_as_the_reference_has_them():
 
 @slow  # compiles a loop
 def test_balls_strike_in_a_spall_at_the_ball_pass_frequency_and_keep_the_energy():
-    run = simulate(Scene(model="lagrange", spall=[{"width_mm": 1.0, "angle_deg": 3.0}], damping={"contact_time_us":
-                   12.5}, bearing={"type": "ball", "rollers": 9, "roller_diameter_mm": 12.7, "roller_length_mm": 19.0,
-                   "inner_raceway_diameter_mm": 52.291, "outer_raceway_diameter_mm": 77.706, "bore_diameter_mm": 45.0,
-                   "outside_diameter_mm": 85.0}, operation={"speed_rpm": 1800.0, "radial_load_N": 3000.0,
-                   "inner_ring_and_shaft_kg": 0.5}, numerics={"duration_ms": 30.0,
-                   "output_interval_us": 1.0}))  # fmt: skip
+    bearing = {"type": "ball", "rollers": 9, "roller_diameter_mm": 12.7, "roller_length_mm": 19.0,
+               "inner_raceway_diameter_mm": 52.291, "outer_raceway_diameter_mm": 77.706, "bore_diameter_mm": 45.0,
+               "outside_diameter_mm": 85.0}  # fmt: skip
+    operation = {"speed_rpm": 1800.0, "radial_load_N": 3000.0, "inner_ring_and_shaft_kg": 0.5}
+    run = simulate(Scene(model="lagrange", bearing=bearing, operation=operation, damping={"contact_time_us": 12.5},
+                         spall=[{"width_mm": 1.0, "angle_deg": 3.0}],
+                         numerics={"duration_ms": 30.0, "output_interval_us": 1.0}))  # fmt: skip
     pass_frequency = 9 * (1800 / 60) / 2 * (52.291 / (0.5 * (52.291 + 77.706)))
     strikes = np.array([event.time for event in run.events if event.kind == "strike" and event.raceway == "outer"])
     assert len(strikes) == pytest.approx(0.03 * pass_frequency, abs=1.0)

@@ -68,9 +68,10 @@ def test_kernels_in_a_folder_that_others_can_write_are_not_loaded(coarse_run, tm
     assert done.stderr.count("\n") == 1 and not (tmp_path / "executed").exists()
 
 
-DAMAGES = {"empty": lambda data: b"", "cut": lambda data: data[: len(data) // 2], "zeroed": lambda data:
-           bytes(len(data)), "one bit flipped": lambda data: data[:150] + bytes([data[150] ^ 8]) +
-           data[151:]}  # fmt: skip
+DAMAGES = {
+    "empty": lambda data: b"", "cut": lambda data: data[: len(data) // 2], "zeroed": lambda data: bytes(len(data)),
+    "one bit flipped": lambda data: data[:150] + bytes([data[150] ^ 8]) + data[151:],
+}  # fmt: skip
 
 
 def compiled(folder, prepare=None, **variables):

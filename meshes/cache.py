@@ -66,17 +66,10 @@ def _read(path: Path, shape: Shape) -> Mesh | None:
     except (OSError, ValueError, EOFError):
         return None
     points = expected_points(shape)
-    round_ = isinstance(shape, Disc | GradedDisc)
-    corners, count = (3, shape.n_cells) if round_ else (4, shape.sectors * shape.layers)
-    if found.shape != (count, corners) or found.dtype != "<i4" or found.min() < 0 or found.max() >= len(points):
+    count = (shape.n_cells, 3) if isinstance(shape, Disc | GradedDisc) else (shape.sectors * shape.layers, 4)
+    if found.shape != count or found.dtype != "<i4" or found.min() < 0 or found.max() >= len(points):
         return None
     cells = np.ascontiguousarray(found, dtype=np.int64)
-    if not np.all(_areas(points, cells) > 0.0):
-        return None
-    return Mesh(points=points, cells=cells)
-
-
-def _areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Area of every cell, m²; positive where its corners run counter-clockwise."""
     x, y = points[cells, 0], points[cells, 1]
-    return 0.5 * np.sum(x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y, axis=1)
+    areas = np.sum(x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y, axis=1)  # twice, corners counter-clockwise
+    return Mesh(points=points, cells=cells) if np.all(areas > 0.0) else None

@@ -87,18 +87,25 @@ def make(shape: Shape) -> Mesh:
 
     Errors: RuntimeError: gmsh can't be loaded or returned a mesh other than the shape asks for.
     """
+    from scipy.spatial import cKDTree
+
     # a layer of the disc has the nodes of its two circles and no others between them
+    is_round = isinstance(shape, Disc | GradedDisc)
     with gmsh_session(INITIAL_MESH_ONLY) as gmsh:
-        if isinstance(shape, Disc | GradedDisc):
-            _draw_disc(gmsh.model, shape)
-            kind, corners = TRIANGLE, 3
-        else:
-            _draw_annulus(gmsh.model, shape)
-            kind, corners = QUADRILATERAL, 4
+        (_draw_disc if is_round else _draw_annulus)(gmsh.model, shape)
         gmsh.model.mesh.generate(2)
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        _, nodes = gmsh.model.mesh.getElementsByType(kind)
-    return _ordered(tags, coordinates.reshape(-1, 3)[:, :2], nodes.reshape(-1, corners), shape)
+        _, nodes = gmsh.model.mesh.getElementsByType(TRIANGLE if is_round else QUADRILATERAL)
+    points, cells = used_points(tags, coordinates.reshape(-1, 3)[:, :2], nodes.reshape(-1, 3 if is_round else 4))
+    wanted = expected_points(shape)
+    distance, nearest = cKDTree(wanted).query(points)
+    off = distance.max() > 1e-7 * np.abs(wanted).max()
+    if off or len(points) != len(wanted) or np.unique(nearest).size != len(points):
+        raise RuntimeError(
+            f"gmsh returned {len(points)} nodes, up to {distance.max():.2e} m off, where {shape} has {len(wanted)}"
+        )
+    cells = counter_clockwise(wanted, nearest[cells])
+    return Mesh(points=wanted, cells=cells[np.lexsort(cells.T[::-1])])
 
 
 @contextmanager
@@ -107,27 +114,6 @@ def gmsh_session(algorithm: int):
 
     Errors: RuntimeError: gmsh can't be loaded.
     """
-    gmsh = _load_gmsh()
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    _hear_signals_again()
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.option.setNumber("Mesh.Algorithm", algorithm)
-        yield gmsh
-    finally:
-        gmsh.finalize()
-
-
-def _hear_signals_again() -> None:
-    """Give SIGINT and SIGTERM back to those who listen: gmsh takes them for the system's defaults as it starts."""
-    if threading.current_thread() is threading.main_thread():
-        for number in (signal.SIGINT, signal.SIGTERM):
-            listener = signal.getsignal(number)
-            if listener is not None:
-                signal.signal(number, listener)
-
-
-def _load_gmsh():
     try:
         import gmsh
     except (ImportError, OSError) as error:
@@ -135,7 +121,17 @@ def _load_gmsh():
             f"gmsh can't be loaded ({error}); install its system libraries: apt-get install --no-install-recommends "
             "libgl1 libglu1-mesa libxft2 libxcursor1 libxinerama1 libgomp1"
         ) from None
-    return gmsh
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    # SIGINT and SIGTERM go back to those who listen: gmsh takes them for the system's defaults as it starts
+    for number in (signal.SIGINT, signal.SIGTERM) if threading.current_thread() is threading.main_thread() else ():
+        if (listener := signal.getsignal(number)) is not None:
+            signal.signal(number, listener)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("Mesh.Algorithm", algorithm)
+        yield gmsh
+    finally:
+        gmsh.finalize()
 
 
 def _circle(model, centre, row, parts):
@@ -204,26 +200,6 @@ def used_points(tags, points, cells) -> tuple[np.ndarray, np.ndarray]:
     index[tags] = np.arange(tags.size)
     used, cells = np.unique(index[cells.astype(np.int64)], return_inverse=True)
     return points[used], cells
-
-
-def _ordered(tags, points, cells, shape) -> Mesh:
-    """Renumber gmsh's nodes to the order of `expected_points`."""
-    points, cells = used_points(tags, points, cells)
-    wanted = expected_points(shape)
-    scale = np.abs(wanted).max()
-    distance, nearest = _nearest(points, wanted)
-    if len(points) != len(wanted) or np.unique(nearest).size != len(points) or distance.max() > 1e-7 * scale:
-        raise RuntimeError(
-            f"gmsh returned {len(points)} nodes, up to {distance.max():.2e} m off, where {shape} has {len(wanted)}"
-        )
-    cells = counter_clockwise(wanted, nearest[cells])
-    return Mesh(points=wanted, cells=cells[np.lexsort(cells.T[::-1])])
-
-
-def _nearest(points, wanted):
-    from scipy.spatial import cKDTree
-
-    return cKDTree(wanted).query(points)
 
 
 def counter_clockwise(points, cells):

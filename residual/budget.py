@@ -26,7 +26,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from lagrange.contact.laws import contact_laws, law_names
-from lagrange.equations import Overlaps, approaches, contact_resultant, error_forces
+from lagrange.equations import Overlaps, contact_resultant, error_forces
 from lagrange.load_history import load_share
 from lagrange.motion import State, TiltedContacts, Tilts, hub_slope_equations, hub_tilt, tilt_equations
 from residual.laws import Identification, Law, inner_law, moment_resultant, sliced
@@ -123,15 +123,14 @@ def _force_terms(record, contacts, push):
     if damper is not None or isinstance(push.damper, np.ndarray):
         found["damping"] = np.array(contact_resultant(contacts, (0.0 if damper is None else damper) - push.damper))
     if record.inner_traction is not None:
-        circles = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
-        found["friction"] = traction_resultant(circles, record.inner_traction)
+        found["friction"] = traction_resultant(record.circles, record.inner_traction)
         if cage is not None:
             facts = record.scene.ideal_cage()
             guided = facts is not None and facts.guidance == "inner_ring"
             found["cage"] = -guided * np.array([cage.guidance_x, cage.guidance_y])
             if record.scene.model != "lagrange":  # whose raceways do not rub, and pockets' forces move rollers alone
                 moved = cage.force - cage.moment / record.bearing.roller_radius
-                against = traction_resultant(circles, -0.5 * moved)
+                against = traction_resultant(record.circles, -0.5 * moved)
                 found["friction"], found["cage"] = found["friction"] - against, against + found["cage"]
     missing = 1.0 - load_share(record.time, 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0)
     return found | {"load_and_weight": np.array([-acting.side_load * missing, acting.radial_load * missing])}
@@ -192,7 +191,7 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
     bearing, contacts, axial, given = record.bearing, record.contacts, record.scene.ideal_axial(), 0.0 * record.roller_x
     if axial is None:
         raise ValueError("the record has no rollers that tilt")
-    laws, theta = contact_laws(law, bearing), np.unwrap(np.arctan2(record.roller_y, record.roller_x), axis=0)
+    laws, theta = contact_laws(law, bearing), record.theta
     moments = [sliced(record, laws.inner).pushes(contacts.inner).moment]
     moments += [sliced(record, laws.outer, outer=True).pushes(contacts.outer).moment]
 
@@ -202,7 +201,7 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
     columns = {name: np.asarray(values) for name, values in vars(record.tilts).items() if not name.endswith("rate")}
     gains = {name: rate(values, 2) for name, values in columns.items()}
     state = State(
-        x=record.inner_x, y=record.inner_y, rho=np.hypot(record.roller_x, record.roller_y), theta=theta,
+        x=record.inner_x, y=record.inner_y, rho=record.rho, theta=theta,
         x_rate=0.0, y_rate=0.0, rho_rate=given, theta_rate=rate(theta),
         tilts=Tilts(**columns, **{f"{name}_rate": rate(values) for name, values in columns.items()}))  # fmt: skip
     cos, sin, (nx, ny), turning = np.cos(theta), np.sin(theta), contacts.normal, rate(theta, 2)

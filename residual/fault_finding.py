@@ -19,7 +19,6 @@ from scipy.ndimage import median
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.contact.hertz import Side, contact_pairs
 from lagrange.contact.laws import contact_laws
-from lagrange.equations import approaches
 from lagrange.errors import InputError
 from lagrange.kinematics import turned
 from lagrange.surface.edges import Circles, softening
@@ -187,8 +186,7 @@ def roller_motion(record: Record) -> RollerMotion:
     The rollers' rotations are the record's own, or else those of rolling on the outer raceway without slip.
     """
     bearing, operation, turn = replace(record.bearing, faults=()), record.operation, record.roller_turn
-    found = approaches(bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
-    theta = np.unwrap(np.arctan2(record.roller_y, record.roller_x), axis=0)
+    found, theta = record.circles, record.theta
     way = turned(bearing, operation, record.time[:, None])
     outer_turn = np.asarray(way.outer_ring)
     if turn is None:
@@ -197,7 +195,7 @@ def roller_motion(record: Record) -> RollerMotion:
         turn = np.asarray(way.roller)[0] - ((theta - theta[0]) * track - surface) / bearing.roller_radius
     return RollerMotion(
         bearing=bearing, operation=operation, law=contact_laws(record.scene.lagrange.law, bearing).inner.force,
-        load=record.whole_load, interval=record.interval, rho=np.hypot(record.roller_x, record.roller_y),
+        load=record.whole_load, interval=record.interval, rho=record.rho,
         outer_angle=theta, inner_angle=np.unwrap(np.arctan2(-found.direction_y, -found.direction_x), axis=0),
         inner_turn=np.asarray(way.shaft), outer_turn=outer_turn, roller_turn=turn, inner=found.inner,
         outer=found.outer)  # fmt: skip

@@ -174,11 +174,21 @@ class Record:
         """Sampling interval, s."""
         return (self.time[-1] - self.time[0]) / (self.time.size - 1)
 
+    @property
+    def rho(self) -> np.ndarray:
+        """Distances of the rollers from the outer ring's centre, m, (n_times, n_rollers)."""
+        return np.hypot(self.roller_x, self.roller_y)
+
+    @property
+    def theta(self) -> np.ndarray:
+        """Their angles about it from +x, rad, unwrapped."""
+        return np.unwrap(np.arctan2(self.roller_y, self.roller_x), axis=0)
+
     @cached_property
     def cage_speed(self) -> float:
         """Mean angular speed of the rollers' centres about the outer ring's centre, rad/s, signed."""
-        angle = np.unwrap(np.arctan2(self.roller_y, self.roller_x), axis=0)
-        return np.mean(angle[-1] - angle[0]) / (self.time[-1] - self.time[0])
+        theta = self.theta
+        return np.mean(theta[-1] - theta[0]) / (self.time[-1] - self.time[0])
 
     @property
     def orbits(self) -> float:
@@ -188,7 +198,7 @@ class Record:
     @property
     def from_load(self) -> np.ndarray:
         """Angles of the rollers about the outer ring's centre from the load line, rad, (n_times, n_rollers)."""
-        return angle_from_load(np.arctan2(self.roller_y, self.roller_x))
+        return angle_from_load(self.theta)
 
     @cached_property
     def turns(self) -> Turns:
@@ -197,9 +207,14 @@ class Record:
         return rolling if self.roller_turn is None else replace(rolling, rollers=self.roller_turn)
 
     @cached_property
+    def circles(self) -> Overlaps:
+        """Overlaps of perfect circles, which are the approaches of rigid bodies."""
+        return approaches(self.bearing, self.inner_x, self.inner_y, self.roller_x, self.roller_y)
+
+    @cached_property
     def contacts(self) -> Overlaps:
-        """Overlaps of the scene's surfaces, which are the approaches of rigid bodies."""
-        return approaches(self.bearing, self.inner_x, self.inner_y, self.roller_x, self.roller_y, self.turns)
+        """The same of the scene's surfaces."""
+        return self.circles.on_surfaces(self.bearing, self.turns)
 
     @property
     def arrays(self) -> dict[str, np.ndarray]:
@@ -314,7 +329,7 @@ def checked(record: Record) -> Record:
         f"the sampling interval after sample {i} is {steps[i]:.6g} s, the mean one {record.interval:.6g} s (may differ "
         f"by {TIME_JITTER:g} of it); --resample brings a table to equal steps",
     )
-    rho, hub = np.hypot(record.roller_x, record.roller_y), np.hypot(record.inner_x, record.inner_y)
+    rho, hub = record.rho, np.hypot(record.inner_x, record.inner_y)
     i, j = divmod(np.argmax(np.abs(rho - pitch)), n_rollers)
     farthest, k = farthest_place(record.bearing), np.argmax(hub)
     refuse_if(

@@ -1,4 +1,4 @@
-"""Derivatives and spectra of a uniformly sampled signal: stencils, power density, peaks, envelope, short-time; levels.
+"""Derivatives and spectra of a uniformly sampled signal: stencils, power density, peaks, envelope; levels.
 
 Units are those of an error force, N; of an acceleration read m/s² for N. Something that strikes once per roller makes a
 resonance ring each time: its frequency shows in the envelope of a band that holds the resonance, not at low frequency
@@ -36,8 +36,6 @@ MOST_PEAKS = 12  # of a spectrum
 PROMINENCE = 4.0  # a peak stands at least this factor above the saddles beside it
 MOST_OTHERS = 2  # lines that a peak may be too: a record that tells hardly any apart would name them all
 BACKGROUND_BINS = 61  # width of the running median
-FEWEST_IN_WINDOW = 32  # samples
-MOST_COLUMNS = 800  # a figure's panel is 750 pixels wide; windows overlap by at least half
 BAND = (2.0**-0.5, 2.0**0.5)  # of a resonance, of its envelope: one octave around it
 FILTER_ORDER, TOP_OF_NYQUIST = 4, 0.9
 TRANSIENT = 6.0  # periods of the band's width, both ends together
@@ -286,36 +284,6 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float]) -> list[Peak]:
             alone and frequency >= MAIN_LOBE * step, next(iter(names), None), tuple(names[1 : 1 + MOST_OTHERS]),
         ))  # fmt: skip
     return peaks
-
-
-class ShortTime(NamedTuple):
-    """Spectra of overlapping pieces of one signal."""
-
-    time: np.ndarray  # (n_pieces,), s, their middles, from the signal's first sample
-    frequency: np.ndarray  # (n_frequencies,), Hz
-    psd: np.ndarray  # (n_frequencies, n_pieces), N²/Hz, one-sided
-    length: float  # s, of a piece
-
-
-def short_time_spectrum(signal, interval: float, duration: float) -> ShortTime | None:
-    """Short-time spectrum of a signal, (n_times,), N, its mean removed; None where it is too short for it.
-
-    A piece of the duration T, s, tells apart 2/T in frequency and T/2 in time; pieces that reach beyond the signal are
-    left out.
-    """
-    from scipy.signal import ShortTimeFFT
-
-    signal = np.asarray(signal, dtype=float)
-    length = max(FEWEST_IN_WINDOW, round(duration / interval))
-    if signal.size < 4 * length:
-        return None
-    hop = max(1, min(length // 2, signal.size // MOST_COLUMNS))
-    transform = ShortTimeFFT.from_window(
-        WINDOW, 1.0 / interval, length, length - hop, fft_mode="onesided2X", scale_to="psd"
-    )
-    first, last = transform.lower_border_end[1], transform.upper_border_begin(signal.size)[1]
-    psd = transform.spectrogram(signal - signal.mean(), p0=first, p1=last)
-    return ShortTime(transform.t(signal.size, first, last), transform.f, psd, length * interval)
 
 
 class Envelope(NamedTuple):

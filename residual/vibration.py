@@ -22,7 +22,7 @@ from lagrange.kinematics import OUTER_RING, kinematics, turned
 from residual import spectrum as spectra
 from residual.budget import Accelerations
 from residual.record import FEWEST_SAMPLES, Record
-from residual.spectrum import MAIN_LOBE, Envelope, Level, Peak, ShortTime, Spectrum, band_envelope, power_spectrum
+from residual.spectrum import MAIN_LOBE, Envelope, Level, Peak, Spectrum, band_envelope, power_spectrum
 
 # of spectra
 CAGE_HARMONICS = (2, 3)
@@ -50,8 +50,7 @@ SIDE_LOBE = 0.03  # of the highest line, Hann's first side lobe: less may be tha
 FEWEST_TURNS = 1.0  # in fewer no order is resolved
 SLOWEST = 1.0 / 8.0  # of the highest speed: below, so many samples go to one turn that nothing new is in them
 DEGREE = 5  # of the spline through a signal's samples
-TURNS_PER_PIECE = 10.0  # of short-time spectra: FTF, some 0.4, is then four bins off order 0
-HIGHEST = 2.2  # times BPFI: as far as lines are looked for in short-time spectra
+HIGHEST = 2.2  # times BPFI, that figures show
 
 
 class LineLevel(NamedTuple):
@@ -332,7 +331,6 @@ class OrderSpectra(NamedTuple):
     error: Spectrum  # of the error force, N²
     path: Spectrum  # of the hub's place, m²
     peaks: list[Peak]  # of that
-    short_time: ShortTime | None  # of that, over turns; None: the record is too short
     envelope: Spectrum | None  # of the envelope of the measured acceleration, (m/s²)²; None: no band is free for it
 
 
@@ -366,20 +364,14 @@ def tracking_of(record: Record) -> Tracking | None:
 
 def order_spectra(tracking: Tracking, error: np.ndarray, path: np.ndarray, acceleration: np.ndarray) -> OrderSpectra:
     """Order spectra of signals of the whole record: an error force, N, the hub's place, m, an acceleration, m/s²."""
-    from scipy.signal import decimate
-
     lines, angles = tracking.lines, tracking.angles
     step, slowest = (angles[-1] - angles[0]) / (angles.size - 1), lines["FTF"]
-    passing, place = max(lines["BPFO"], lines["BPFI"]), tracking.resampled(path)
-    spectrum = power_spectrum(place, step, slowest)
-    interval = tracking.time[1] - tracking.time[0]
+    spectrum, interval = power_spectrum(tracking.resampled(path), step, slowest), tracking.time[1] - tracking.time[0]
     fastest = np.gradient(tracking.turn, interval).max()  # 1/s
+    passing = max(lines["BPFO"], lines["BPFI"])
     envelope = _fault_band(acceleration, interval, passing * fastest, slowest * fastest)
-    fewer = max(1, int(0.5 / (1.5 * HIGHEST * passing * step)))  # after a filter against what lies above
-    thinned = place if fewer == 1 else decimate(place, fewer, ftype="fir")
     return OrderSpectra(
         tracking, power_spectrum(tracking.resampled(error), step, slowest), spectrum,
         named_peaks(spectra.find_peaks(spectrum, lines), spectrum, lines, 0.0, 0.0),
-        spectra.short_time_spectrum(thinned, step * fewer, TURNS_PER_PIECE),
         None if envelope is None else power_spectrum(tracking.resampled(envelope.level), step, slowest),
     )  # fmt: skip

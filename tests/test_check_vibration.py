@@ -12,7 +12,6 @@ import pytest
 from scipy.signal import fftconvolve
 from scipy.stats import exponnorm
 
-from lagrange.errors import InputError
 from residual.check_vibration import main
 from residual.measured import checks
 from residual.measured.checks import growth
@@ -25,8 +24,8 @@ from tests.reference.synthetic_record import drawn, synthetic_record
 NU206 = ("--bearing", "NU206", "--speed", "1480")
 SHAFT = 1480.0 / 60.0  # Hz
 GEOMETRY = Geometry(elements=13, element_diameter=9e-3, pitch_diameter=46.5e-3)  # as NU206's in the catalogue
-CONTRACT = {"verdict", "lines", "width_mm", "width_interval_mm", "width_reason", "speed_rpm"}
-OF_LINES = {"name", "expected_Hz", "found_Hz", "level", "p", "depth"}
+CONTRACT = "verdict lines width_mm width_interval_mm width_reason speed_rpm".split()
+OF_LINES = "name expected_Hz found_Hz level p depth".split()
 MOTOR = """
 model = "lagrange"
 bearing.designation = "NU206"
@@ -58,7 +57,7 @@ def test_a_damaged_record_against_a_healthy_one(tmp_path):
     truth, _ = made(tmp_path / "today.npz"), made(tmp_path / "healthy.npz", None, 0.0)
     folder, against = tmp_path / "report", str(tmp_path / "healthy.npz")
     summary = summary_of(tmp_path / "today.npz", *NU206, "--unit", "g", "--against", against, folder=folder)
-    assert set(summary) >= CONTRACT and all(set(line) == OF_LINES for line in summary["lines"])
+    assert set(summary) >= {*CONTRACT} and all(set(line) == {*OF_LINES} for line in summary["lines"])
     first = summary["lines"][0]
     assert (summary["verdict"], first["name"], summary["against"]["verdict"]) == ("outer_ring", "BPFO", "none")
     assert first["expected_Hz"] == pytest.approx(GEOMETRY.lines(SHAFT)["BPFO"], rel=2e-4)
@@ -94,8 +93,8 @@ def test_a_damaged_record_does_not_pass_as_sound_by_its_missing_samples_or_marks
         assert words in told and ("The outer ring is damaged" in told) == (code == 0)
 
 
-def test_verdict_is_printed_first(tmp_path, capsys):
-    for fault, verdict in {None: "none", **BODIES}.items():
+def test_verdict_is_printed_first_whatever_says_which_bearing_it_is(tmp_path, capsys):
+    for fault, verdict in {None: "none", **dict(reversed(BODIES.items()))}.items():
         made(tmp_path / "record.npz", fault, 1.0 if fault else 0.0)
         assert main([str(tmp_path / "record.npz"), *NU206, "--no-figures"]) == 0
         told = capsys.readouterr().out
@@ -103,10 +102,7 @@ def test_verdict_is_printed_first(tmp_path, capsys):
         assert f"Page: {tmp_path / 'record-vibration' / 'vibration.html'}" in told
     assert main([str(tmp_path / "record.npz"), *NU206, "--unit", "mm/s", "--no-figures"]) == 0
     assert " mm/s rms, crest factor" in capsys.readouterr().out
-
-
-def test_sizes_or_a_scene_do_as_well_as_a_bearings_name(tmp_path):
-    made(tmp_path / "record.npz")
+    # sizes or a scene do as well as a bearing's name
     scene = tmp_path / "motor.toml"
     scene.write_text('bearing.designation = "NU206"\noperation.speed_rpm = -1480.0\n', encoding="utf-8")
     sizes = ("--elements", "13", "--element-diameter", "9", "--pitch-diameter", "46.5", "--speed", "1480")
@@ -127,6 +123,9 @@ REFUSED = {
     "tolerance": ([*NU206, "--speed-tolerance", "much"], "must be a number of per cent"),
     "wide tolerance": ([*NU206, "--speed-tolerance", "50%"], "from 0 to 10%"),
     "slow": (["--bearing", "NU206", "--speed", "1"], "in rpm, not in Hz"),
+    "standing": (["--bearing", "NU206", "--speed", "0"], "--speed 0"),
+    "few passes": (["--bearing", "NU206", "--speed", "150"], "passes"),
+    "coarse": (["--bearing", "NU206", "--speed", "150000"], "sampled at"),
     "scene against": ([*NU206, "--against", "scene.toml"], "scene.toml: no such file"),
     "scene without one speed": ([*NU206, "--against", "table.toml"], "at one steady speed"),
     "missing against": ([*NU206, "--against", "none.csv"], "No such file"),
@@ -182,8 +181,6 @@ def test_help_loads_no_heavy_library():
 
 
 # Verdicts on records whose truth is known; kinematics and depth against independent values
-
-
 SKF_6205 = Geometry(elements=9, element_diameter=7.94e-3, pitch_diameter=39.04e-3)
 ZA_2115 = Geometry(elements=16, element_diameter=8.4074e-3, pitch_diameter=71.501e-3, contact_angle=np.radians(15.17))
 TURNING, RATE = 29.95, 25_600.0  # Hz
@@ -216,15 +213,15 @@ def test_lines_are_those_of_catalogues():
     assert ZA_2115.lines(2000.0 / 60.0)["BPFO"] == pytest.approx(236.4, abs=0.05)
 
 
-@pytest.mark.parametrize("depth", [0.3, 0.6])
-def test_depth_of_noise_is_a_quarter_of_pi_of_that_of_its_power(depth):
+def test_depth_of_noise_is_a_quarter_of_pi_of_that_of_its_power():
     """Noise whose power swells by 1 + d cos: bins that far apart correlate by d/2, their phases alone by π/4 of that.
 
     Source: the correlation of two complex Gaussian numbers of which only the phases are kept, π/4 ρ (1 + ρ²/8 + ...).
     """
-    values = noise(duration=4.0) * np.sqrt(1.0 + depth * np.cos(2.0 * np.pi * 107.0 * time_of(4.0)))
-    spectrum = envelope_spectrum(values, RATE, 1.0, 1000.0)
-    assert spectrum.modulation(np.array([107.0]))[0] == pytest.approx(0.25 * np.pi * depth, abs=0.02)
+    for depth in (0.3, 0.6):
+        values = noise(duration=4.0) * np.sqrt(1.0 + depth * np.cos(2.0 * np.pi * 107.0 * time_of(4.0)))
+        spectrum = envelope_spectrum(values, RATE, 1.0, 1000.0)
+        assert spectrum.modulation(np.array([107.0]))[0] == pytest.approx(0.25 * np.pi * depth, abs=0.02)
 
 
 def test_noise_of_few_turns_is_hardly_ever_a_line_and_tones_leave_none():
@@ -282,15 +279,6 @@ def test_what_a_record_does_not_tell_is_noted(duration, shaft, tolerance, words)
     assert not any("turns of the shaft" in note for note in judged(noise(2, duration=1.0)).notes)
 
 
-@pytest.mark.parametrize(
-    ("shaft", "tolerance", "words"),
-    [(0.0, 0.01, "--speed 0"), (30.0, 0.5, "--speed-tolerance"), (1.0, 0.01, "passes"), (2000.0, 0.01, "sampled at")],
-)
-def test_unusable_speeds_are_refused(shaft, tolerance, words):
-    with pytest.raises(InputError, match=words):
-        judged(noise(), SKF_6205, shaft, tolerance)
-
-
 def test_confusion_matrix_of_drawn_records():
     """Bearings, speeds and faults by chance, half of them healthy: no one accused wrongly, deep faults found."""
     rng, deep = np.random.default_rng(11), Counter()
@@ -304,15 +292,13 @@ def test_confusion_matrix_of_drawn_records():
     assert deep[True] >= max(8, 0.9 * deep.total())
 
 
-def test_skirt_of_a_line_beyond_the_tolerance_accuses_nobody():
-    """A comb just outside the range of 2×BSF, nearer than the record resolves."""
+def test_a_line_beyond_the_tolerance_accuses_nobody_and_strikes_with_the_cages_sidebands_alone_are_an_outer_rings():
+    """A comb just outside the range of 2×BSF, nearer than the record resolves. A simulated run repeats nearly once a
+    turn of the cage: most lines beside the fault's are its sidebands.
+    """
     shaft = 2000.0 / 60.0
     pulses = comb(1.024 * GEOMETRY.lines(shaft)["2×BSF"])[: int(0.3 * RATE)]
     assert judged(pulses, GEOMETRY, shaft).verdict in ("none", "uncertain")
-
-
-def test_strikes_with_sidebands_of_the_cage_alone_are_an_outer_rings():
-    """A simulated run repeats nearly once a turn of the cage: most lines beside the fault's are its sidebands."""
     lines, time = GEOMETRY.lines(45.0), time_of(1.0)
     swell = 1.0 + 0.5 * np.cos(2.0 * np.pi * lines["FTF"] * time)
     values = noise(8, 1.0) * (0.2 + 3.0 * swell * (np.mod(time * lines["BPFO"], 1.0) < 0.1))
@@ -320,8 +306,6 @@ def test_strikes_with_sidebands_of_the_cage_alone_are_an_outer_rings():
 
 
 # Pulses, and widths of records with an entry and a strike of known lag, and reasons where there is none
-
-
 def test_length_of_a_pulse_is_that_of_the_ringing():
     rate, line, decay = 50_000.0, 50.0, 2e-3  # s, in which the amplitude falls to 1/e
     since = np.mod(np.arange(int(2.0 * rate)) / rate, 1.0 / line)
@@ -363,16 +347,14 @@ def test_width_that_is_told_is_that_of_the_lag(name):
     assert all((each.value is None) == (each.reason is not None) for each in found)
 
 
-@pytest.mark.parametrize("width", [None, 0.0, 0.3e-3, 1.0e-3])
-def test_narrow_damage_and_noise_have_a_reason_and_no_width(width):
-    found = width_of("BPFO", width)
-    assert (found.value, found.low, found.high) == (None, None, None)
-    assert found.reason == "no ring was found damaged" if width is None else found.reason
+def test_narrow_damage_and_noise_have_a_reason_and_no_width():
+    for width in (None, 0.0, 0.3e-3, 1.0e-3):
+        found = width_of("BPFO", width)
+        assert (found.value, found.low, found.high) == (None, None, None)
+        assert found.reason == "no ring was found damaged" if width is None else found.reason
 
 
 # A series of records: growth that is there is found, none where there is none, and unusable records are named
-
-
 def series(folder, strengths):
     """Records of one bearing whose strikes have so many times the noise's rms, and options."""
     for k, strength in enumerate(strengths):

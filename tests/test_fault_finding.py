@@ -52,12 +52,11 @@ def test_a_roller_sinks_over_an_edge_as_the_closed_profile_says(meeting, own, si
 def flat_motion(aside, inner, outer):
     """One roller's motion along circles at rest: how far beside the pitch circle, and overlaps, (n,), m; no pull."""
     none = np.zeros((aside.size, 1))
+    names = "outer_angle", "inner_angle", "inner_turn", "outer_turn", "roller_turn"
     return fault_finding.RollerMotion(
-        bearing=PAPER, operation=replace(RUNNING, gravity=0.0), law=lambda overlap: 4e8 * overlap,
-        load=(none[:, 0], none[:, 0]), interval=1e-5, rho=PAPER.pitch_radius + aside[:, None], outer_angle=none,
-        inner_angle=none, inner_turn=none, outer_turn=none, roller_turn=none, inner=inner[:, None],
-        outer=outer[:, None],
-    )  # fmt: skip
+        bearing=PAPER, operation=replace(RUNNING, gravity=0.0), law=lambda overlap: 4e8 * overlap, load=none.T[[0, 0]],
+        interval=1e-5, rho=PAPER.pitch_radius + aside[:, None], inner=inner[:, None], outer=outer[:, None],
+        **dict.fromkeys(names, none))  # fmt: skip
 
 
 @pytest.mark.parametrize("amplitude", [0.0, 1e-6])
@@ -75,25 +74,21 @@ def test_three_samples_tell_how_deep_a_surface_lies_under_a_roller_that_rattles(
     assert np.abs(samples.over([], (0.0, 2e-6))).max() < 0.1 * amplitude + 1e-12
     share = 2.0 * (1.0 - np.cos(phase))
     np.testing.assert_allclose(samples.over([])[0], share * 1e-6, rtol=0.03, atol=0.1 * amplitude)
-
-
-def test_a_roller_in_flight_misses_nothing():
-    """Between both contacts, without a pull, it goes straight on."""
+    # in flight between both contacts, without a pull, it goes straight on and misses nothing
     aside = 1e-6 * np.linspace(-1.0, 1.0, 20)
     samples = ThreeSamples(flat_motion(aside, -5e-6 - aside, -5e-6 + aside), np.arange(1, 19), np.zeros(18, dtype=int))
     assert np.abs(samples.over([])).max() < 1e-15
 
 
-ONE = [("outer_ring", None, 20.0, 0.6)]
 TWO = [("outer_ring", None, 15.0, 0.6), ("inner_ring", None, 100.0, 1.2)]
 
 
-@pytest.mark.parametrize(
-    "spalls",
-    [ONE, pytest.param([("inner_ring", None, -75.0, 0.6)], marks=pytest.mark.slow), [("roller", 4, 140.0, 0.8)],
-     pytest.param(TWO, marks=pytest.mark.slow)],
-    ids=["outer ring", "inner ring", "roller", "two"],
-)  # fmt: skip
+@pytest.mark.parametrize("spalls", [
+    pytest.param([("outer_ring", None, 20.0, 0.6)], id="outer ring"),
+    pytest.param([("roller", 4, 140.0, 0.8)], id="roller"),
+    pytest.param([("inner_ring", None, -75.0, 0.6)], id="inner ring", marks=pytest.mark.slow),
+    pytest.param(TWO, id="two", marks=pytest.mark.slow),
+])  # fmt: skip
 def test_spalls_are_found_in_noise_on_their_own_bodies_and_drawn(spalls, tmp_path):
     """Within what docs/fault_finding.md states of random runs: 1° and 10 % of the width; body, roller, degrees, mm."""
     settings = []
@@ -103,8 +98,8 @@ def test_spalls_are_found_in_noise_on_their_own_bodies_and_drawn(spalls, tmp_pat
     searched = find_faults(recorded(*settings, noise=10e-9))
     save(search(searched), tmp_path)
     assert (tmp_path / "fault_search.png").stat().st_size > 10_000
-    found = {(each.place.body, each.place.roller): each for each in searched.found}
     assert len(searched.found) == len(spalls) and not searched.says_more
+    found = {(each.place.body, each.place.roller): each for each in searched.found}
     for body, roller, angle, width in spalls:
         told = found[body, roller]
         off = abs(reported_angle(told.place, told.angle) - angle)
@@ -114,16 +109,15 @@ def test_spalls_are_found_in_noise_on_their_own_bodies_and_drawn(spalls, tmp_pat
     assert len(spalls) == 1 or "No other spall found" in " ".join(search_sentences(searched))
 
 
-@pytest.mark.parametrize(
-    "settings",
-    [
-        (), ("waviness.0.order=16", "waviness.0.amplitude_um=0.8"),
-        ("waviness.0.body=roller", "waviness.0.roller=2", "waviness.0.order=5", "unequal_roller.0.roller=7"),
-    ],
-    ids=["perfect", "wavy ring", "wavy and unequal rollers"],
-)  # fmt: skip
-def test_surfaces_without_a_spall_have_none(settings):
-    made = find_faults(recorded(*settings, noise=10e-9))
+SOUND = {
+    "perfect": (), "wavy ring": ("waviness.0.order=16", "waviness.0.amplitude_um=0.8"), "wavy and unequal rollers":
+    ("waviness.0.body=roller", "waviness.0.roller=2", "waviness.0.order=5", "unequal_roller.0.roller=7"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("surfaces", SOUND)
+def test_surfaces_without_a_spall_have_none(surfaces):
+    made = find_faults(recorded(*SOUND[surfaces], noise=10e-9))
     assert made.found == ()
     assert "No spall found" in search_sentences(made)[0]
 
@@ -141,15 +135,12 @@ def test_the_search_sees_neither_the_scenes_surfaces_nor_forces():
         np.testing.assert_array_equal(found.spall, first.spall)
         assert (found.angle_error, found.width_error) == (first.angle_error, first.width_error)
     assert roller_motion(told).bearing == roller_motion(replace(told, scene=plain)).bearing
+    rolled = roller_motion(replace(told, roller_turn=None)).roller_turn  # of a table: on the outer raceway
+    np.testing.assert_allclose(rolled[:1000], told.roller_turn[:1000], atol=2e-3)
 
 
-def test_rollers_of_a_table_turn_as_they_roll_on_the_outer_raceway():
-    record = recorded(milliseconds=10)
-    rolled = roller_motion(replace(record, roller_turn=None)).roller_turn
-    np.testing.assert_allclose(rolled, record.roller_turn, atol=2e-3)
-
-
-def test_only_the_deepest_place_of_a_map_that_stands_out_of_the_rest_does():
+def test_only_the_deepest_place_of_a_map_that_stands_out_does_and_arcs_that_were_not_seen_are_told_as_scenes_count():
+    """Of a ring from the load's direction: NaN from +x to +y is 90° to 180°; across ±180° it is cut in two."""
     angle = 2.0 * np.pi * (np.arange(3000) + 0.5) / 3000
     height = 1e-6 * np.cos(40 * angle)
     assert SinkageMap(place=OUTER, height=height).deepest[1] == pytest.approx(1.0, rel=0.01)
@@ -157,9 +148,6 @@ def test_only_the_deepest_place_of_a_map_that_stands_out_of_the_rest_does():
     where, ratio = SinkageMap(place=OUTER, height=height).deepest
     assert ratio == pytest.approx(8.0, rel=0.01) and where == pytest.approx(angle[1200], abs=0.01)
 
-
-def test_arcs_that_were_not_seen_are_told_as_scenes_count_angles_and_of_many_the_longest():
-    """Of a ring from the load's direction: NaN from +x to +y is 90° to 180°; across ±180° it is cut in two."""
     height = np.where(np.arange(360) < 90, np.nan, 0.0)
     assert unseen(SinkageMap(place=OUTER, height=height)) == [(90.0, 180.0)]
     assert unseen(SinkageMap(place=OUTER, height=np.roll(height, 45))) == [(-180.0, -135.0), (135.0, 180.0)]
@@ -192,9 +180,8 @@ def test_the_command_prints_and_writes_what_it_found(tmp_path, capsys):
     assert main([str(path), "--find-faults"]) == 0
     assert "Found a spall on the outer ring" in capsys.readouterr().out
     (spall,) = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["faults"]
-    assert (spall["body"], spall["roller"]) == ("outer_ring", None)
-    assert spall["angle_interval_deg"][0] < 20.0 < spall["angle_interval_deg"][1]
-    assert spall["width_interval_mm"][0] < 0.6 < spall["width_interval_mm"][1]
+    (left, right), (low, high) = spall["angle_interval_deg"], spall["width_interval_mm"]
+    assert (spall["body"], spall["roller"]) == ("outer_ring", None) and left < 20.0 < right and low < 0.6 < high
     assert '<h2 id="spalls">' in (folder / "report.html").read_text(encoding="utf-8")
     assert main([str(path), "--quiet"]) == 0
     assert "faults" not in json.loads((folder / "summary.json").read_text(encoding="utf-8"))

@@ -101,8 +101,6 @@ def test_load_ramp_of_a_start_from_rest_is_left_out_and_coarse_sampling_warned_o
 
 
 # Stencils: order, exactness, error floor
-
-
 OMEGA = 2 * np.pi * 40.0
 
 
@@ -199,8 +197,6 @@ def test_unknown_stencils_and_too_short_records_are_refused(samples, bad, words)
 
 
 # Laws fitted to a run's own forces: the right numbers, honest intervals, judged on the part held back
-
-
 STIFFNESS, EXPONENT = 1.1e9, 1.09
 SPRING = PowerLaw(name="true", stiffness=STIFFNESS, exponent=EXPONENT, source="")
 
@@ -331,8 +327,6 @@ def test_fitted_law_explains_a_simulated_run(coarse_run):
 
 
 # A cage: its forces are a term of the budget, its motion a figure and numbers of the summary
-
-
 FORWARD, MOMENT, GUIDED = 30.0, -0.02, (3.0, -4.0)  # N, N m, N: on every roller, on the cage
 AGAINST = -0.5 * FORWARD + 0.5 * MOMENT / 0.005  # N, of the inner raceway on the roller
 GUIDE = {"guidance": "inner_ring", "guidance_clearance_mm": 0.1}

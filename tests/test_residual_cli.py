@@ -188,8 +188,6 @@ def test_signals_end_it_without_a_report(which, code, tmp_path):
 
 
 # What the report says of the Lagrangian model, the statics it compares with, error estimates, the picture
-
-
 @pytest.fixture(scope="module")
 def meant(tmp_path_factory):
     """A run whose forces are the law's times 1.25: the law carries a fifth less than the run."""
@@ -287,8 +285,6 @@ def test_render_fem_s_picture_is_shown(coarse_run, tmp_path):
 
 
 # What a report calls things: numbers as a person reads them, causes by their right names, one sentence first
-
-
 def test_numbers_are_written_out_where_a_person_would_and_noise_is_0():
     told = {
         -8.03e-5: "−8.03·10⁻⁵", 46460.0: "46460", 213.6049: "213.6", 0.0: "0", -0.5: "−0.5", None: "-",
@@ -356,8 +352,6 @@ def test_a_roller_that_barely_touches_is_not_loaded(run, tmp_path):
 
 
 # Two runs or two laws beside each other, a report without equations, the data for other programs
-
-
 def number(cell):
     return float(cell.replace("−", "-"))
 
@@ -425,8 +419,6 @@ def test_signals_are_exported_as_csv_alone(pair, tmp_path, capsys):
 
 
 # What a check warns of in a record itself: vibration folded down, a beginning that is a transient
-
-
 # NU 206 (not E) by its makers' catalogues, a normal clearance, a shaft of 3 kg
 NU206 = """
 bearing = { rollers = 13, roller_diameter_mm = 7.5, roller_length_mm = 9.0, inner_raceway_diameter_mm = 38.5,
@@ -498,8 +490,6 @@ def test_the_quarter_from_which_the_hub_swings_alike(amplitudes, settled):
 
 
 # What errors are compared with: the whole load, wherever it points and however it turns, or the contact forces
-
-
 TURNS = 75.0  # Hz, of the shaft
 MASS, GRAVITY = 0.078, 9.81
 UNBALANCE = 2000.0 / (2 * np.pi * TURNS) ** 2 * 1e6  # g mm
@@ -559,8 +549,6 @@ def test_contacts_are_as_stiff_whatever_the_direction_of_the_load(pair, rate):
 
 
 # Resolution and noise of a table's positions, found in them, and the error forces that they make
-
-
 HEAVY = 3.0  # kg
 PLACES = ("inner_x", "inner_y", "roller_x", "roller_y")
 

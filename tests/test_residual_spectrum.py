@@ -17,13 +17,12 @@ from residual.evaluation import evaluate
 from residual.figures import save
 from residual.figures.run import passages
 from residual.sources import read_result
-from residual.spectrum import MOST_COLUMNS, envelope, find_peaks, kinematic_lines, power_spectrum, short_time_spectrum
+from residual.spectrum import envelope, find_peaks, kinematic_lines, power_spectrum
 from residual.vibration import HUB, line_levels, named_peaks, sidebands, watched_level
 from tests.reference.synthetic_run import harris_force, make_run, paper_lines, recorded, run_variables, write_result
 
 STEP = 1e-5
 BPFO = 381.52  # Hz
-PIECE = 0.5 / BPFO  # s
 SHAFT, CAGE = 75.0, 29.348
 
 
@@ -55,6 +54,9 @@ def test_density_is_of_the_variance_in_a_band_and_of_white_noise():
     spectrum = spectrum_of(0.06, (500, 3.0), (4000, 8.0))
     for middle, amplitude in ((500, 3.0), (4000, 8.0)):
         assert spectrum.band_rms(middle - 200, middle + 200) == pytest.approx(amplitude / np.sqrt(2), rel=5e-3)
+    long = power_spectrum(tones(4.0, (381.5, 10.0)), STEP, slowest_line=29.35)  # averaged
+    assert long.segments > 1 and long.resolution == pytest.approx(29.35 / 40, rel=1e-3)
+    assert find_peaks(long, paper_lines())[0].rms == pytest.approx(10 / np.sqrt(2), rel=5e-3)
     white = spectrum_of(1.3, noise=1.0)
     assert np.mean(white.psd[1:-1]) == pytest.approx(2.0 * STEP, rel=0.02)
     assert np.median(white.smooth_background) == pytest.approx(2.0 * STEP, rel=0.1)
@@ -102,63 +104,18 @@ def test_noise_hardly_shows_peaks_or_lines_silence_none_and_a_weak_tone_stands_o
     assert any(p.frequency == pytest.approx(5000, abs=2.0) for p in peaks)
 
 
-def test_long_record_is_averaged_and_keeps_the_rms():
-    spectrum = power_spectrum(tones(4.0, (381.5, 10.0)), STEP, slowest_line=29.35)
-    assert spectrum.segments > 1 and spectrum.resolution == pytest.approx(29.35 / 40, rel=1e-3)
-    assert find_peaks(spectrum, paper_lines())[0].rms == pytest.approx(10 / np.sqrt(2), rel=5e-3)
-
-
-# Short-time spectra: levels, where and when a burst is found
-
-
-def test_white_noise_has_its_density_everywhere_and_long_records_skip_no_samples():
-    found = short_time_spectrum(tones(0.2, noise=1.0), STEP, PIECE)
-    inner = found.psd[1:-1]  # the outermost bins lack the other half of the window
-    assert inner.mean() == pytest.approx(2.0 * STEP, rel=0.02)
-    np.testing.assert_allclose(inner.mean(axis=1), 2.0 * STEP, rtol=0.35)
-    assert found.time.size <= MOST_COLUMNS + 60
-    long = short_time_spectrum(np.zeros(200_000), STEP, PIECE)
-    assert long.time[1] - long.time[0] <= 0.5 * long.length + 1e-12
-
-
-def test_a_burst_is_found_at_its_time_and_frequency_with_its_power():
-    time = STEP * np.arange(6001)
-    burst = np.where((time > 0.02) & (time < 0.03), 3.0 * np.sin(2 * np.pi * 9000.0 * time), 0.0)
-    found = short_time_spectrum(burst, STEP, PIECE)
-    resolution = found.frequency[1]
-    power = found.psd.sum(axis=0) * resolution
-    assert power.max() == pytest.approx(4.5, rel=0.01)
-    loud = found.time[power > 2.25]
-    assert (loud[0], loud[-1]) == pytest.approx((0.02, 0.03), abs=0.5 * found.length)
-    assert abs(found.frequency[np.argmax(found.psd.sum(axis=1))] - 9000.0) <= resolution
-    assert power[(found.time < 0.02 - found.length) | (found.time > 0.03 + found.length)].max() < 1e-6
-
-
-def test_windows_have_their_length_and_stay_within_the_record():
-    found = short_time_spectrum(np.arange(6001.0), STEP, PIECE)
-    assert found.length == pytest.approx(PIECE, abs=STEP)
-    assert found.time[0] >= 0.5 * found.length - STEP and found.time[-1] <= 0.06 - 0.5 * found.length + STEP
-    assert found.psd.shape == (found.frequency.size, found.time.size)
-    assert short_time_spectrum(np.zeros(100), STEP, PIECE) is None
-
-
 # Levels of lines, sidebands, envelope: the right newtons under the right name, and silence where nothing is known
-
-
 def modulated(duration, modulator):
     """A tone at BPFO of 10 N amplitude whose amplitude swells by 0.4 at the modulator's frequency."""
     swell = 1.0 + tones(duration, (modulator, 0.4), noise=0.0)
     return power_spectrum(swell * tones(duration, (BPFO, 10.0), noise=0.0) + tones(duration), STEP)
 
 
-def test_level_is_the_rms_of_the_line_whatever_the_record_length():
+def test_a_level_is_the_lines_rms_in_any_record_and_sidebands_carry_half_the_modulation_where_it_resolves_them():
     for duration in (0.06, 0.6):
         level = levels_of(spectrum_of(duration, (BPFO, 7.0)))["BPFO"]
         assert level.rms == pytest.approx(7.0 / np.sqrt(2), rel=0.02)
         assert level.stands_out and level.background < 0.1 * level.rms
-
-
-def test_sidebands_carry_half_the_modulation_where_a_record_resolves_them():
     levels = levels_of(modulated(0.6, CAGE))
     for name in ("BPFO−FTF", "BPFO+FTF"):
         assert levels[name].rms == pytest.approx(10.0 * 0.4 / 2 / np.sqrt(2), rel=0.02)
@@ -184,10 +141,7 @@ def test_the_hub_has_a_resonance_of_its_own_in_each_direction(tmp_path):
         stiffness = 0.9 * 0.5 * np.mean(np.sum(slope * part(run.angle) ** 2, axis=1))
         assert found.resonance == pytest.approx(np.sqrt(stiffness / mass) / (2.0 * np.pi), rel=1e-3)
     assert evaluation.x.resonance < 0.99 * evaluation.y.resonance
-
-
-def test_a_vibration_across_the_load_is_named_by_the_resonance_across_it():
-    spectrum = spectrum_of(0.6, (2700.0, 1.0))
+    spectrum = spectrum_of(0.6, (2700.0, 1.0))  # of a vibration across the load
     for resonance, told in ((2750.0, True), (4600.0, False)):
         assert (HUB in named(spectrum, {"BPFO": 250.9}, resonance)[0].also) == told
 
@@ -202,7 +156,7 @@ def test_lines_go_by_the_cage_speed_of_the_run(tmp_path):
     assert any(peak.line == "BPFO" and abs(peak.frequency - 13 * slow) < 0.5 for peak in evaluation.x.peaks)
 
 
-def test_a_line_can_be_asked_for_by_name_or_frequency_and_an_unknown_one_is_refused():
+def test_a_line_can_be_asked_for_by_name_or_frequency_with_the_record_that_it_needs_and_an_unknown_one_is_refused():
     wanted = {"BPFO-shaft": 306.5, "bpfo−shaft": 306.5, "2xBPFO": 763.0, "2×BPFO": 763.0, "22": 22.0, "381.5": 381.5}
     found = {name: watched_level(spectrum_of(0.6), name, paper_lines()).frequency for name in wanted}
     assert found == pytest.approx(wanted, abs=0.1)
@@ -210,15 +164,13 @@ def test_a_line_can_be_asked_for_by_name_or_frequency_and_an_unknown_one_is_refu
         with pytest.raises(InputError):
             watched_level(spectrum_of(0.06), unknown, paper_lines())
             pytest.fail(unknown)
-
-
-def test_the_record_said_to_be_needed_is_enough_and_a_shorter_one_is_not():
+    # the record said to be needed is enough and a shorter one is not
     lines = paper_lines()
     short = watched_level(spectrum_of(0.06), "22", lines)
     assert not short.resolved and short.record_needed == pytest.approx(2.0 / (CAGE - 22.0), rel=1e-3)
     for factor, resolved in ((1.02, True), (0.98, False)):
         spectrum = spectrum_of(factor * short.record_needed)
-        assert watched_level(spectrum, "22", lines).resolved is resolved
+        assert watched_level(spectrum, "22", lines).resolved == resolved
 
 
 def test_envelope_shows_what_modulates_the_resonance():
@@ -263,8 +215,6 @@ def test_a_bearing_that_as_good_as_stands_is_reported_on(speed, tmp_path, capsys
 
 
 # The report's figure of a spall: passages laid over each other
-
-
 SETTINGS = ("model=lagrange", "numerics.duration_ms=0.45", "numerics.output_interval_us=2", "spall.0.width_mm=0.5")
 
 

@@ -25,10 +25,8 @@ def passage(force_of, interval=1e-6, first=-3.0, last=3.0):
     time = np.arange(round((last - first) * 50e-6 / interval) + 1) * interval
     angle = HALF * (first + time / 50e-6)
     force = np.array([force_of(50.0 * a / HALF) for a in angle])
-    return Passage(
-        spall=0, raceway="outer", roller=4, half_width=HALF, first=0, time=time, angle=angle, force=force,
-        sliding=0.0 * time,
-    )  # fmt: skip
+    return Passage(spall=0, raceway="outer", roller=4, half_width=HALF, first=0, time=time, angle=angle, force=force,
+                   sliding=0.0 * time)  # fmt: skip
 
 
 def struck_at(t, peak=900.0, before=300.0):
@@ -48,23 +46,21 @@ def struck_at(t, peak=900.0, before=300.0):
 def test_a_strike_is_the_first_large_peak_after_the_release(at, interval):
     found = {event.kind: event for event in spall_events([passage(struck_at(at), interval)])}
     assert list(found) == (["entry", "strike", "exit"] if at < 50.0 else ["entry", "exit", "strike"])
-    assert found["entry"].time == pytest.approx(100e-6, abs=1e-12)
-    assert found["exit"].time == pytest.approx(200e-6, abs=1e-12)
+    assert [found[kind].time for kind in ("entry", "exit")] == pytest.approx([100e-6, 200e-6], abs=1e-12)
     assert found["entry"].force == pytest.approx(300.0)
     assert found["strike"].time == pytest.approx((150.0 + at) * 1e-6, abs=0.1e-6)
     assert found["strike"].force == pytest.approx(900.0, rel=0.01)
 
 
 def test_no_strike_where_a_roller_is_not_released_or_the_run_ends_before_it_is_known():
-    def kinds(*arguments, **limits):
-        return [event.kind for event in spall_events([passage(*arguments, **limits)])]
-
-    assert kinds(lambda x: 300.0 + 60.0 * np.sin(0.1 * x)) == ["entry", "exit"]
-    assert kinds(lambda x: 0.0) == ["entry", "exit"]
-    assert kinds(lambda x: 300.0 if x < -40.0 else max(0.0, 900.0 - 50.0 * abs(x + 15.0))) == ["entry", "exit"]
-    assert kinds(struck_at(30.0), last=1.9) == ["entry", "exit"]
-    assert kinds(struck_at(30.0), first=-0.9) == ["exit"]
-    assert kinds(struck_at(30.0), last=0.0) == ["entry"]
+    struck, both = struck_at(30.0), ["entry", "exit"]
+    cases = (
+        (lambda x: 300.0 + 60.0 * np.sin(0.1 * x), {}, both), (lambda x: 0.0, {}, both),
+        (lambda x: 300.0 if x < -40.0 else max(0.0, 900.0 - 50.0 * abs(x + 15.0)), {}, both),
+        (struck, {"last": 1.9}, both), (struck, {"first": -0.9}, ["exit"]), (struck, {"last": 0.0}, ["entry"]),
+    )  # fmt: skip
+    for force, limits, kinds in cases:
+        assert [event.kind for event in spall_events([passage(force, **limits)])] == kinds
 
 
 def test_who_turns_back_leaves_by_the_edge_of_the_entry_and_steps_may_be_wider_than_the_spall():
@@ -72,10 +68,9 @@ def test_who_turns_back_leaves_by_the_edge_of_the_entry_and_steps_may_be_wider_t
     wide = HALF * np.array([-2.5, 2.5])
     for angle, times in ((there_and_back, [2.0, 8.0]), (wide, [0.3, 0.7])):
         row = np.ones(len(angle))
-        found = spall_events(
-            [Passage(spall=0, raceway="inner", roller=0, half_width=HALF, first=0, time=np.arange(len(angle)) * 1.0,
-                     angle=angle, force=row, sliding=row)]
-        )  # fmt: skip
+        found = spall_events([Passage(
+            spall=0, raceway="inner", roller=0, half_width=HALF, first=0, time=np.arange(len(angle)) * 1.0, angle=angle,
+            force=row, sliding=row)])  # fmt: skip
         assert [event.kind for event in found] == ["entry", "exit"]
         assert [event.time for event in found] == pytest.approx(times)
 
@@ -88,35 +83,37 @@ WHERE = {
 }
 
 
+SPEED = 150.0 * pi  # rad/s, of the shaft, and what rolling without slip makes of it; the rollers' first angles
+CAGE = 0.5 * SPEED * 18.0 / 23.0
+SPIN, FIRST = -CAGE * 23.0 / 5.0, -0.5 * pi + 2.0 * pi * np.arange(13) / 13
+
+
+def passages_of(bearing, operation, samples, count):
+    def rows(start, stop):
+        return {name: samples[name][start:stop] for name in COLUMNS}
+
+    return find_passages(bearing, operation, rows, count)
+
+
 def rolling(body, interval, count):
     """Passages of rollers that roll without slip on the pitch circle."""
-    scene = read_scene(None, (*ONE, *WHERE[body]))
-    bearing, speed = scene.ideal_bearing(), scene.ideal_operation().speed
-    cage = 0.5 * speed * 18.0 / 23.0
-    spin = -cage * 23.0 / 5.0
     time = interval * np.arange(count)
-    angle = -0.5 * pi + 2.0 * pi * np.arange(13) / 13 + cage * time[:, None]
-    samples = dict.fromkeys(COLUMNS, np.ones((count, 13))) | {
-        "time": time, "inner_x": 0.0 * time, "inner_y": 0.0 * time, "roller_x": 0.023 * np.cos(angle),
-        "roller_y": 0.023 * np.sin(angle), "roller_turn": spin * time[:, None] + 0.0 * angle,
-        "roller_spin": spin + 0.0 * angle,
-    }  # fmt: skip
-    return find_passages(
-        bearing, replace(RUNNING, speed=speed),
-        lambda start, stop: {name: values[start:stop] for name, values in samples.items()}, count)  # fmt: skip
+    angle = FIRST + CAGE * time[:, None]
+    samples = dict.fromkeys(COLUMNS, np.ones((count, 13))) | dict(
+        time=time, inner_x=0.0 * time, inner_y=0.0 * time, roller_x=0.023 * np.cos(angle),
+        roller_y=0.023 * np.sin(angle), roller_turn=SPIN * time[:, None] + 0.0 * angle,
+        roller_spin=SPIN + 0.0 * angle)  # fmt: skip
+    bearing = read_scene(None, (*ONE, *WHERE[body])).ideal_bearing()
+    return passages_of(bearing, replace(RUNNING, speed=SPEED), samples, count)
 
 
 def crossings(body, duration):
     """When which rollers cross the edges of the spall, rolling: half a width beside its middle; s, by time."""
-    speed = 150.0 * pi
-    cage = 0.5 * speed * 18.0 / 23.0
-    spin = -cage * 23.0 / 5.0
-    first = -0.5 * pi + 2.0 * pi * np.arange(13) / 13
     if body == "roller":
-        ways = [(2, np.radians(30.0) - first[2] - turned, cage - spin, 5e-3) for turned in (0.0, pi)]
+        ways = [(2, np.radians(30.0) - FIRST[2] - turned, CAGE - SPIN, 5e-3) for turned in (0.0, pi)]
     else:
-        middle, turn, radius = (1.0, cage, 28e-3) if body == "outer" else (-2.0, cage - speed, 18e-3)
-        ways = [(j, np.radians(middle) - 0.5 * pi - first[j], turn, radius) for j in range(13)]
+        middle, turn, radius = (1.0, CAGE, 28e-3) if body == "outer" else (-2.0, CAGE - SPEED, 18e-3)
+        ways = [(j, np.radians(middle) - 0.5 * pi - FIRST[j], turn, radius) for j in range(13)]
     found = []
     for j, away, turn, radius in ways:
         for lap in range(-10, 11):
@@ -152,10 +149,7 @@ def test_a_slow_light_roller_strikes_where_the_geometry_stops_it(depth_um):
         "numerics.output_interval_us=2", "damping.contact_N_s_m=1000",
     ))  # fmt: skip
     plan = make_plan(scene)
-    run = whole_run(plan)
-    passages = find_passages(
-        scene.ideal_bearing(), scene.ideal_operation(),
-        lambda start, stop: {name: run[name][start:stop] for name in COLUMNS}, plan.n_samples)  # fmt: skip
+    passages = passages_of(scene.ideal_bearing(), scene.ideal_operation(), whole_run(plan), plan.n_samples)
     found = {event.kind: event for event in spall_events(passages) if event.roller == 1}
     crossing = found["exit"].time - found["entry"].time
     assert crossing == pytest.approx(1e-3 / (0.5 * 450 * 2 * pi / 60 * 36.0 / 46.05 * 28.05e-3), rel=2e-3)
@@ -218,10 +212,8 @@ def test_sinkages_are_those_under_the_contacts_and_perfect_scenes_have_none(tmp_
 def test_elastic_bodies_enter_and_leave_where_rolling_says(model, body, tmp_path):
     """Within an output interval, 2 µs: creep is slower."""
     path = tmp_path / "run.nc"
-    settings = (
-        f"model={model}", "numerics.mesh_size_mm=2", "numerics.duration_ms=2", "waviness.0.amplitude_um=1e-6",
-        "unequal_roller.0.diameter_deviation_um=1e-6",
-    )  # fmt: skip
+    settings = (f"model={model}", "numerics.mesh_size_mm=2", "numerics.duration_ms=2", "waviness.0.amplitude_um=1e-6",
+                "unequal_roller.0.diameter_deviation_um=1e-6")  # fmt: skip
     run_scene(read_scene(None, (*ONE, *WHERE[body], *settings)), path, RunOptions(quiet=True))
     with h5py.File(path) as file:
         events = {name: column[:] for name, column in file["events"].items()}

@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
-from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogFormatterSciNotation, NullLocator, ScalarFormatter
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from residual.formatting import GREY, LINE_COLOURS, RAISED, family
+from residual.formatting import LINE_COLOURS, RAISED, family
 
 if TYPE_CHECKING:
     from matplotlib.typing import RcKeyType
@@ -32,7 +31,6 @@ BELOW, BETWEEN = 0.52, 0.17  # tick labels and the axis' name; panels that share
 MARGIN, LINE = 0.1, 0.2  # above panels, and for each line of text there
 NAME_BESIDE, NAME_BELOW = 0.68, 0.36  # of axes, from the panel to the name's middle
 MOST_STEPS = 5  # between ticks of a y axis; each tick is five artists, and ticks take half of a figure's time
-MARK = 0.012  # of a panel's height, long
 LETTER, ROW = 0.014, 0.11  # of a panel: width of a name's letter, height of a row of names
 FROM_LOAD = "roller's angle from the load line, degrees"
 BESIDE = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"}  # keeps a name legible
@@ -146,14 +144,8 @@ def name_lines(axis, names: list[tuple[float, str, str]]) -> None:
 
 def log_panel(axis, frequency: np.ndarray) -> None:
     """Make both axes logarithmic, the x axis from the first to the last of some frequencies."""
-    low, high = frequency[0], frequency[-1]
-    axis.set(xscale="log", yscale="log", xlim=(low, high))
-    without_minor_ticks(axis)
-    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.log10(high))
-    between = np.outer(decades, np.arange(2, 10)).ravel()
-    marks = [[(f, 0.0), (f, -MARK)] for f in between if low <= f <= high]
-    style: dict[str, Any] = {"colors": GREY, "linewidths": 0.6, "clip_on": False, "zorder": 2}
-    axis.add_collection(LineCollection(marks, transform=axis.get_xaxis_transform(), **style), autolim=False)
+    axis.set(xscale="log", yscale="log", xlim=(frequency[0], frequency[-1]))
+    axis.yaxis.set_minor_locator(NullLocator())
 
 
 def without_minor_ticks(axis) -> None:

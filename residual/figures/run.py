@@ -75,7 +75,7 @@ def method_sentence(e: Evaluation, other: Evaluation | None) -> str:
 def history(e: Evaluation, equations: bool) -> Drawing:
     t, loaded, time = e.record, e.budget.loaded, 1e3 * e.record.time
     j = chosen_roller(loaded, e.chatter)
-    rho = np.hypot(t.roller_x[:, j], t.roller_y[:, j]) - t.bearing.pitch_radius
+    rho = t.rho[:, j] - t.bearing.pitch_radius
     shown = {"hub x, µm": 1e6 * t.inner_x, "hub y, µm": 1e6 * t.inner_y, f"ρ of roller {j}, µm": 1e6 * rho}
     if equations:
         shown |= {f"error_{d.name}, N": d.budget.error for d in e.directions}
@@ -327,9 +327,9 @@ def cage(e: Evaluation) -> Drawing | None:
     if t.operation.fastest:  # slip against rolling at the shaft's speed of the same time
         reach = max(1, min(round(SHORTEST / t.interval), (t.time.size - 1) // 2))
         seconds = reach * t.interval
-        orbits = np.unwrap(np.arctan2(t.roller_y, t.roller_x), axis=0).mean(axis=1)
         ideal = np.ravel(turned(t.bearing, t.operation, t.time).cage) + np.zeros(t.time.size)
-        rolling, *speeds = ((angle[reach:] - angle[:-reach]) / seconds for angle in (ideal, orbits, own.angle))
+        angles = ideal, t.theta.mean(axis=1), own.angle
+        rolling, *speeds = ((angle[reach:] - angle[:-reach]) / seconds for angle in angles)
         rolling = np.where(np.abs(rolling) >= SLOWEST * np.abs(rolling).max(), rolling, np.nan)
         rollers, cages = (100.0 * (1.0 - speed / rolling) for speed in speeds)
         middle = 5e2 * (t.time[reach:] + t.time[:-reach])

@@ -27,6 +27,7 @@ ENVELOPE_BAND, SPECTRUM_TO, LINES_TO = 3.3, 2.2, 3.2  # times BPFI: of resonance
 HEADROOM = 1.05  # above the highest line
 OF_RECORDS = 0.05  # of the width of a record's spectrum or a series, on either side
 MARKED = ("FTF", "shaft", OUTER_RING, "BPFO", "BPFI")
+TURNS_PER_PIECE, FEWEST_PIECES = 10.0, 4  # of a map of orders: FTF, some 0.4, is then four bins off order 0
 ON_MAP = ("FTF", "BPFO", "BPFI", "BSF")
 MOST_POINTS = 4000  # of a record's curve: beyond, the largest of neighbours
 LEFT_LEGEND = {"left": -0.06, **SMALL}
@@ -222,15 +223,13 @@ def orders(e: Evaluation) -> Drawing | None:
     x, y, body = e.x.orders, e.y.orders, e.y.vibration.body
     if x is None or y is None:
         return None
-    tracking, short = x.tracking, y.short_time
+    tracking = x.tracking
     shown = [("path x, µm²", x.path, 1e12), ("path y, µm²", y.path, 1e12)]
     if y.envelope is not None:
         shown.append(("envelope y, (m/s²)²", y.envelope, 1.0))
-    names = [*(f"{name}/order" for name, *_ in shown), "order"]
-    rows, right, x_names = [len(shown)], look.RIGHT, [f"order, per turn of the {tracking.ring}"]
-    if short is not None:
-        rows, right, x_names = [*rows, 1], SCALE, [*x_names, "time, ms"]
-    figure, axes = panels(rows, 0.6 + 2.0 * sum(rows), right=right, x=x_names, y=names)
+    over, names = tracking.ring, [*(f"{name}/order" for name, *_ in shown), "order"]
+    x_names = f"order, per turn of the {over}", f"turns of the {over}"
+    figure, axes = panels((len(shown), 1), 2.6 + 2.0 * len(shown), right=SCALE, x=x_names, y=names)
     top = HIGHEST * max(tracking.lines["BPFO"], tracking.lines["BPFI"])
     for axis, (_, spectrum, scale) in zip(axes, shown, strict=False):
         handles = mark_lines(axis, tracking.lines, 0.0, top, "")
@@ -239,30 +238,27 @@ def orders(e: Evaluation) -> Drawing | None:
         limits = {"xlim": (0.0, top), "ylim": (PATH_RANGE * psd.max(), 10.0 * psd.max())}
         curves(axis, spectrum.frequency[inside], (psd, BLUE), yscale="log", **limits)
     legend_above(axes[0], 5, handles=handles, **LEFT_LEGEND)
+    # the path along the record
+    axis, place, step = axes[-1], 1e6 * tracking.resampled(e.record.inner_y), tracking.angles[1] - tracking.angles[0]
+    length = min(round(TURNS_PER_PIECE / step), place.size // FEWEST_PIECES)
+    psd, *_, image = axis.specgram(place, length, 1.0 / step, noverlap=length * 7 // 8, scale="linear", detrend="mean")
+    most = 10.0 ** np.ceil(np.log10(max(psd.max(), 1e-30)))
+    image.set_norm(LogNorm(most * ORDERS_RANGE, most))
+    colour_bar(image, [axis], "path y, µm²/order", extend="min")
+    for line in (name for name in ON_MAP if name in tracking.lines):
+        axis.annotate(line, (0.004, tracking.lines[line]), xycoords=("axes fraction", "data"), color="white",
+                      fontsize=8.5, va="center")  # fmt: skip
+    axis.set_ylim(0.0, top)
+    axis.grid(visible=False)
     speed = 60.0 * np.gradient(tracking.turn, tracking.time)
     low, high = text(speed.min(), 4), text(speed.max(), 4)
     caption = (
         f"Order spectra (power spectral densities) of the hub's path, and of the envelope of the {body}'s "
-        f"acceleration, resampled at {tracking.angles.size} equal angles of the {tracking.ring} while it turns with "
+        f"acceleration, resampled at {tracking.angles.size} equal angles of the {over} while it turns with "
         f"{low} to {high} rpm (Δ = {text(x.path.resolution, 2)} orders). Dashed: kinematic lines by the run's own "
-        "cage, which stay where they are in orders; dotted: multiples."
+        "cage, which stay where they are in orders; dotted: multiples. Below, the path's y along the record: Hann "
+        f"windows of {text(length * step, 3)} turns; what follows the {over} is horizontal."
     )
-    if short is not None:
-        axis, psd = axes[-1], np.maximum(1e12 * short.psd, 1e-300)
-        time = 1e3 * np.interp(tracking.turn[0] + short.time, tracking.turn, tracking.time)
-        most = 10.0 ** np.ceil(np.log10(max(psd.max(), 1e-30)))
-        image = axis.pcolormesh(time, short.frequency, psd, norm=LogNorm(most * ORDERS_RANGE, most), cmap="viridis",
-                                shading="nearest", rasterized=True)  # fmt: skip
-        colour_bar(image, [axis], "path y, µm²/order", extend="min")
-        for line in (name for name in ON_MAP if name in tracking.lines):
-            axis.annotate(line, (0.004, tracking.lines[line]), xycoords=("axes fraction", "data"), color="white",
-                          fontsize=8.5, va="center")  # fmt: skip
-        axis.set_ylim(0.0, top)
-        axis.grid(visible=False)
-        caption += (
-            f" Below, the path's y along the record: Hann windows of {text(short.length, 3)} turns; what follows the "
-            f"{tracking.ring} is horizontal."
-        )
     return Drawing("orders", "Order spectra of the hub", caption, figure)
 
 

@@ -168,7 +168,7 @@ class SpalledTable:
         part = in_series(of_part, approach - sunk, slope, (compliance + part_compliance) / self.share)
         edges, part_edges = of_rest.edges / (1.0 - self.share), part.edges / self.share
         sums = np.add(of_rest[:SUMMED], part[:SUMMED])
-        return TiltedContact(*sums, part.force, edges + part_edges, part_edges)
+        return TiltedContact._make([*sums, part.force, edges + part_edges, part_edges])
 
 
 def spline_coefficients(values: ndarray) -> ndarray:

@@ -107,14 +107,15 @@ class BearingTable(Table):
             data = {name: value for name, value in bearing_keys(*found).items() if not instead_of.get(name)} | data
         if data.get("type") == "ball":
             data = USUAL_GROOVES | data
-        pitch, clearance = data.get("pitch_diameter_mm"), data.get("clearance_um")
+        pitch: Any = data.get("pitch_diameter_mm")
+        clearance: Any = data.get("clearance_um")
         sized = pitch is not None or "inner_raceway_diameter_mm" in data
         with suppress(TypeError, OverflowError):  # of values that are no numbers, which are refused
             inner, roller, angle = cls.values(data, *CLEARANCE_OF)
             across = cos(radians(angle))
             if "inner_raceway_diameter_mm" not in data and pitch is not None and None in (clearance, data.get(outer)):
                 # without clearance where neither it nor the outer raceway is given
-                clearance = 0.0 if clearance is None and not outer_given else clearance
+                clearance = clearance if outer_given else clearance or 0.0
                 inner = 2.0 * pitch - data[outer] if outer_given else pitch - (roller + 0.5e-3 * clearance) * across
                 inner = data["inner_raceway_diameter_mm"] = round(inner, 9)
                 del data["pitch_diameter_mm"]

@@ -426,8 +426,8 @@ def set_key(data: dict[str, Any], key: str, value: Any, origin: str) -> None:
     if not all(parts):
         raise SceneError(f"{origin}: {key!r} must read table.key, e.g. operation.speed_rpm")
     table: Any = data
-    for part, after in pairwise([*parts, None]):  # a table, or an array of tables, is made where there is none
-        is_last = after is None
+    for part, after in pairwise([*parts, ""]):  # a table, or an array of tables, is made where there is none
+        is_last = not after
         inner = value if is_last else [] if after.isdecimal() else {}
         if isinstance(table, dict):
             if is_last:

@@ -63,6 +63,14 @@ class SurfaceDeviation(NamedTuple):
         """Of the part of the length that spalls take, beside that of all of it, m."""
         return 0.0 if self.part is None else self.part.sinkage
 
+    def rows(self, which: slice) -> "SurfaceDeviation":
+        """Of some of the times alone."""
+        return SurfaceDeviation(
+            sinkage=self.sinkage[which], slopes=self.slopes[:, which], softenings=self.softenings[:, which],
+            compliance=self.compliance if isinstance(self.compliance, float) else self.compliance[which],
+            part=None if self.part is None else self.part.rows(which),
+        )  # fmt: skip
+
     def at_contact(self, falls: Falls) -> "SurfaceDeviation":
         """With the slopes that the surfaces have for contacts, see `Falls`; without tilt by ½ Q of the compliance."""
         slopes, part = self.slopes + falls.compliance * self.softenings, self.part

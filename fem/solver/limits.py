@@ -5,7 +5,6 @@ rest. What is warned of is sound, but its numbers need care.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from math import inf, pi, sqrt
 from typing import TYPE_CHECKING
 
@@ -315,7 +314,7 @@ def _edges(model, equilibrium):
     def pressure_on(spall):
         if spall.edge_radius == 0.0:
             return inf
-        pair = replace(model.inner_law.pair, radii=(spall.edge_radius, model.bearing.roller_radius))
+        pair = model.inner_law.pair._replace(radii=(spall.edge_radius, model.bearing.roller_radius))
         return pair.peak_pressure(on_body[spall.body])
 
     worst = max(spalls, key=pressure_on, default=None)

@@ -11,7 +11,7 @@ import signal
 import socket
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from queue import Queue
 from threading import Thread
 from types import SimpleNamespace
@@ -33,7 +33,7 @@ from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError
 from lagrange.scene.scene import SceneError, read_scene
 from tests.reference.kit import environment, sets, started_as
-from tests.waiting import GIVE_UP, open_page
+from tests.waiting import GIVE_UP, assert_readable, coloured_pixels, open_page
 
 
 def scene_of(*settings: str):
@@ -41,7 +41,7 @@ def scene_of(*settings: str):
 
 
 @pytest.fixture
-def player() -> Player:
+def player():
     return Player(scene_of())
 
 
@@ -173,23 +173,25 @@ def test_frames_show_forces_that_carry_the_load_and_a_cage_where_its_pockets_are
     assert Player(scene_of()).frame()["cage"] is None  # the paper's bearing has none
 
 
-def samples_of(**values: np.ndarray) -> Samples:
-    n = len(next(iter(values.values())))
-    zeros = {name: np.zeros(n) for name in ("inner_x", "inner_y", "inner_ax", "inner_ay")}
-    return Samples(values=zeros | values, imbalance=np.zeros(n), exchanged=np.ones(n), error=np.zeros(n))
+def recorded(*parts, name="inner_ay"):
+    """A record of samples of one column after others, the rest 0."""
+    record = Record(1e-5)
+    for values in parts:
+        zeros = dict.fromkeys(("inner_x", "inner_y", "inner_ax", "inner_ay"), np.zeros(len(values)))
+        of_energy = dict.fromkeys(("imbalance", "exchanged", "error"), np.ones(len(values)))
+        record.add(Samples(values=zeros | {name: values}, **of_energy))
+    return record
 
 
 def test_a_spectrum_shows_the_amplitude_of_a_line_at_its_frequency_and_an_orbit_is_given_once_and_not_too_finely():
-    time, record = 1e-5 * np.arange(10_000), Record(1e-5)
-    for part in np.array_split(3.0 + 2.0 * np.sin(2.0 * np.pi * 380.0 * time), 7):
-        record.add(samples_of(inner_ay=part))
+    time = 1e-5 * np.arange(10_000)
+    record = recorded(*np.array_split(3.0 + 2.0 * np.sin(2.0 * np.pi * 380.0 * time), 7))
     frequency, (x, y) = record.spectrum()
     assert record.length == pytest.approx(0.1)
     assert y.max() == pytest.approx(2.0, rel=1e-6) and frequency[np.argmax(y)] == pytest.approx(380.0, rel=0.03)
     assert x.max() == 0.0 and np.all(np.diff(frequency) > 0.0)
     assert y[(frequency < 300.0) | (frequency > 500.0)].max() < 1e-3
-    record = Record(1e-5)
-    record.add(samples_of(inner_x=np.arange(1700.0)))
+    record = recorded(np.arange(1700.0), name="inner_x")
     x, _ = record.orbit()
     assert 0.5 * MOST_PLACES < x.size <= MOST_PLACES and x[0] == 0.0 and x[-1] > 1690.0
     assert record.orbit().shape == (2, 0)
@@ -201,12 +203,9 @@ def test_envelopes_show_the_depth_of_a_swell_at_its_line_and_all_lines_of_a_bear
     Of five small rollers 2×BSF lies far above BPFI.
     """
     time, lines = 1e-5 * np.arange(20_000), {"BPFO": 238.0, "BPFI": 350.0, "2×BSF": 215.0}
-    record = Record(1e-5)
-    record.add(samples_of(inner_ay=np.cos(2.0 * np.pi * 8e3 * time[:3000])))
-    assert record.envelope(lines)[1].size == 0  # 7 passes
-    swell = 1.0 + 0.4 * np.cos(2.0 * np.pi * 235.0 * time)  # slips by 1.3 %
-    record = Record(1e-5)
-    record.add(samples_of(inner_ay=5.0 * swell * np.cos(2.0 * np.pi * 8e3 * time) + 90.0))
+    carrier, swell = np.cos(2.0 * np.pi * 8e3 * time), 1.0 + 0.4 * np.cos(2.0 * np.pi * 235.0 * time)  # slips by 1.3 %
+    assert recorded(carrier[:3000]).envelope(lines)[1].size == 0  # 7 passes
+    record = recorded(5.0 * swell * carrier + 90.0)
     step, amplitude, found = record.envelope(lines)
     assert found["BPFO"] == pytest.approx(2.0, rel=0.02) and step == pytest.approx(5.0)
     assert max(found["BPFI"], found["2×BSF"]) < 0.02
@@ -215,8 +214,7 @@ def test_envelopes_show_the_depth_of_a_swell_at_its_line_and_all_lines_of_a_bear
     player = Player(scene_of("bearing.rollers=5", "bearing.roller_diameter_mm=3", "bearing.clearance_um=5"))
     player.advance(5000)
     lines, envelope = player.fault_lines(), player.frame()["envelope"]
-    assert lines["2×BSF"] > 2.3 * lines["BPFI"]
-    assert envelope["lines"].keys() == lines.keys()
+    assert lines["2×BSF"] > 2.3 * lines["BPFI"] and envelope["lines"].keys() == lines.keys()
     assert envelope["bin"] * len(envelope["amplitude"]) > lines["2×BSF"]
 
 
@@ -235,7 +233,7 @@ def test_a_scene_that_can_not_be_played_is_refused_by_name(setting, words, capsy
 
 WORK = 0.56  # s of steps for a second in real time, as measured for the paper's bearing
 MAKING, DRAWING = 0.005, 0.015  # s of a frame, here and in the browser with the way there and back
-PASSED = 4.0  # s
+PASSED, INTERVAL = 4.0, 1e-5  # s
 
 
 class Clock(asyncio.SelectorEventLoop):
@@ -243,47 +241,34 @@ class Clock(asyncio.SelectorEventLoop):
 
     now = 1e3
 
-    def time(self) -> float:
+    def time(self):
         return self.now
 
     monotonic = time
 
-    def _run_once(self) -> None:
+    def _run_once(self):
         if not self._ready and self._scheduled:
             self.now = max(self.now, self._scheduled[0].when())
         super()._run_once()
 
 
-class Bearing:
-    """A player whose steps, in blocks of at most a tenth of a millisecond, and frames take time on the clock."""
-
-    plan, given, facts = SimpleNamespace(interval=1e-5), None, dict
-
-    def __init__(self, clock: Clock, work: float):
-        self._clock, self._work, self.simulated = clock, work, 0.0
-
-    def advance(self, count: int, is_late) -> int:
-        done = 0
-        while done < count and not is_late():
-            block = min(10, count - done)
-            done += block
-            self._clock.now += self._work * block * self.plan.interval
-        self.simulated += done * self.plan.interval
-        return done
-
-    def frame(self) -> dict:
-        self._clock.now += MAKING
-        return {}
-
-
 @pytest.mark.parametrize(("work", "slowness"), [(WORK, 1.0), (WORK, 50.0), (10.0 * WORK, 50.0), (10.0 * WORK, 1.0)])
 def test_a_page_gets_20_frames_a_second_at_the_pace_asked_for_or_slower(work, slowness, monkeypatch):
-    """A page that asks for the next frame once it has drawn the last."""
-    clock, page, frames = Clock(), object(), []
-    bearing = Bearing(clock, work)
-    server = LiveServer(bearing)
+    """A page that asks for the next frame once it has drawn the last; steps in blocks of a tenth of a millisecond."""
+    clock, page, frames, done = Clock(), object(), [], []
 
-    def hear(viewers, text: str) -> None:
+    def advance(count, is_late):
+        before = sum(done)
+        while sum(done) < before + count and not is_late():
+            done.append(min(10, before + count - sum(done)))
+            clock.now += work * done[-1] * INTERVAL
+        return sum(done) - before
+
+    def frame():
+        clock.now += MAKING
+        return {}
+
+    def hear(viewers, text):
         if "frame" in json.loads(text):
             frames.append(text)
             clock.call_later(DRAWING, server._hear, page, '{"frame": true}')
@@ -291,27 +276,25 @@ def test_a_page_gets_20_frames_a_second_at_the_pace_asked_for_or_slower(work, sl
     async def now(work, *arguments):
         return work(*arguments)
 
+    async def watch():
+        server._loop, server._changed = clock, asyncio.Event()
+        server._changed.set()
+        with suppress(TimeoutError):
+            await asyncio.wait_for(server._play(), PASSED)
+
+    plan = SimpleNamespace(interval=INTERVAL)
+    server = LiveServer(SimpleNamespace(plan=plan, given=None, facts=dict, advance=advance, frame=frame))
     monkeypatch.setattr(server_module, "time", clock)
     monkeypatch.setattr(server_module, "broadcast", hear)
     server._in_thread, server._pace, server._viewers = now, Pace(slowness=slowness), {page: True}
-
-    async def watch() -> None:
-        server._loop, server._changed = clock, asyncio.Event()
-        server._changed.set()
-        playing = asyncio.ensure_future(server._play())
-        await asyncio.sleep(PASSED)
-        playing.cancel()
-
-    def run() -> None:
-        with asyncio.Runner(loop_factory=lambda: clock) as runner:
-            runner.run(watch())
-
     with ThreadPoolExecutor(1) as thread:
-        thread.submit(run).result()  # a browser of other tests has a loop in this one
+        thread.submit(clock.run_until_complete, watch()).result()  # a browser of other tests has a loop in this one
+    clock.close()
+    simulated = sum(done) * INTERVAL
     if work > slowness:
-        assert len(frames) >= 17.0 * PASSED and bearing.simulated < 0.2 * PASSED
+        assert len(frames) >= 17.0 * PASSED and simulated < 0.2 * PASSED
     else:
-        assert len(frames) >= 20.0 * PASSED and bearing.simulated * slowness == pytest.approx(PASSED, rel=0.03)
+        assert len(frames) >= 20.0 * PASSED and simulated * slowness == pytest.approx(PASSED, rel=0.03)
 
 
 # The server
@@ -322,11 +305,12 @@ class Served:
 
     def __init__(self, address):
         parts = urlsplit(address)
-        self.port, self.path, self.origin = parts.port, parts.path, f"http://127.0.0.1:{parts.port}"
+        self.port, self.path, self.host = parts.port, parts.path, parts.netloc
+        self.origin = f"http://{self.host}"
 
     def connected(self, origin="", path=None):
         """A viewer's connection; as a page of this server unless told otherwise."""
-        address = f"ws://127.0.0.1:{self.port}{self.path + 'live' if path is None else path}"
+        address = f"ws://{self.host}{self.path + 'live' if path is None else path}"
         return connect(address, origin=self.origin if origin == "" else origin, open_timeout=GIVE_UP, proxy=None)
 
 
@@ -356,19 +340,22 @@ def ask(viewer, **wish):
     viewer.send(json.dumps(wish))
 
 
+def frame_of(viewer, **wish):
+    ask(viewer, frame=True, **wish)
+    return told(viewer, "frame")
+
+
 def answer(live, method="GET", path=None, body=None, **headers):
     """Status, headers and text that a request gets; a header that is None is left out."""
-    connection = http.client.HTTPConnection("127.0.0.1", live.port, timeout=GIVE_UP)
-    connection.putrequest(method, live.path if path is None else path, skip_host=True)
-    sent = {"Host": f"127.0.0.1:{live.port}"} | headers | ({} if body is None else {"Content-Length": str(len(body))})
-    for name, value in sent.items():
-        if value is not None:
-            connection.putheader(name, value)
-    connection.endheaders(None if body is None else body.encode())
-    response = connection.getresponse()
-    found = response.status, response.headers, response.read().decode()
-    connection.close()
-    return found
+    with closing(http.client.HTTPConnection(live.host, timeout=GIVE_UP)) as connection:
+        connection.putrequest(method, live.path if path is None else path, skip_host=True)
+        sent = {"Host": live.host, "Content-Length": body and str(len(body))} | headers
+        for name, value in sent.items():
+            if value is not None:
+                connection.putheader(name, value)
+        connection.endheaders(body and body.encode())
+        response = connection.getresponse()
+        return response.status, response.headers, response.read().decode()
 
 
 def test_the_page_is_whole_and_may_load_nothing(live):
@@ -384,11 +371,10 @@ def test_the_page_is_whole_and_may_load_nothing(live):
 
 def test_without_the_token_or_by_another_name_method_or_origin_everything_is_forbidden(live):
     """Of a site whose name was made to resolve to this machine, too."""
-    token = live.path.strip("/")
-    for path in ("/", "/live", "/wrong/", "/wrong/live", "//", f"/{token}", f"/{token}/?a", f"/{token}x/",
-                 f"/{token}/../", f"/x/{token}/", f"/{token}/favicon.ico"):  # fmt: skip
-        status, _, text = answer(live, path=path)
-        assert status == 403 and text == "403 Forbidden\n", path
+    own = live.path[:-1]
+    for path in ("/", "/live", "/wrong/", "/wrong/live", "//", own, f"{own}/?a", f"{own}x/", f"{own}/../", f"/x{own}/",
+                 f"{own}/favicon.ico"):  # fmt: skip
+        assert answer(live, path=path)[::2] == (403, "403 Forbidden\n"), path
     for host in (None, "", "evil.example", "127.0.0.1", "127.0.0.1:1", f"evil.example:{live.port}"):
         assert answer(live, Host=host)[0] == 403, host
     for method in ("POST", "PUT", "DELETE", "HEAD", "OPTIONS", "PATCH", "TRACE"):
@@ -420,12 +406,10 @@ def test_nonsense_is_told_so_and_ends_nothing(live):
                      '{"values": {"speed_rpm": NaN}}'):  # fmt: skip
             viewer.send(text)
             assert told(viewer, "refused")
-        ask(viewer, frame=True)
-        assert told(viewer, "frame")["outer"]
+        assert frame_of(viewer)["outer"]
     with live.connected() as viewer, pytest.raises(ConnectionClosed):
         viewer.send("x" * 100_000)
-        while True:
-            viewer.recv(timeout=GIVE_UP)
+        told(viewer, "refused")
     assert answer(live)[0] == 200
 
 
@@ -438,8 +422,7 @@ def test_what_one_viewer_changes_all_see_and_what_is_refused_changes_nothing(liv
         ask(one, values=values | {"radial_load_N": 700.0})
         for viewer in (one, other):
             assert told(viewer, "bearing")["values"] == values | {"radial_load_N": 700.0}
-            ask(viewer, frame=True)
-            assert sum(told(viewer, "frame")["outer"]) > 700.0
+            assert sum(frame_of(viewer)["outer"]) > 700.0
         ask(other, pace={"slowness": 200.0, "playing": False})
         assert told(one, "pace") == {"slowness": 200.0, "playing": False}
     with live.connected() as late:  # finds what is played, and where it stands
@@ -455,31 +438,31 @@ def test_a_paused_run_goes_on_by_steps_and_stands_while_nobody_asks(live):
         told(viewer, "bearing")  # of the new run
         assert told(viewer, "frame")["time"] == 0.0
         for time in (1.0, 2.0):
-            ask(viewer, step=True, frame=True)
-            assert told(viewer, "frame")["time"] == pytest.approx(time)
-        ask(viewer, pace={"slowness": 50.0, "playing": True}, frame=True)
-        last = told(viewer, "frame")["time"]
+            assert frame_of(viewer, step=True)["time"] == pytest.approx(time)
+        last = frame_of(viewer, pace={"slowness": 50.0, "playing": True})["time"]
     with live.connected() as late:
-        assert told(late, "frame")["time"] == last
-        ask(late, frame=True)
-        assert told(late, "frame")["time"] > last
+        assert told(late, "frame")["time"] == last and frame_of(late)["time"] > last
 
 
-def start_live(*arguments):
-    """A `run-live` in a process of its own, and its address."""
+@contextmanager
+def command_served(*arguments):
+    """Process and address of a `run-live`, which nothing but Ctrl-C ends before the test does."""
     program, pipe = [*started_as("run-live"), *arguments], subprocess.PIPE
-    process = subprocess.Popen(program, env=environment(), stdout=pipe, stderr=pipe, text=True)
-    return process, process.stdout.readline().split()[1]
+    with subprocess.Popen(program, env=environment(), stdout=pipe, stderr=pipe, text=True) as process:
+        try:
+            yield process, process.stdout.readline().split()[1]
+            assert process.poll() in (None, 130), process.communicate()[1]
+        finally:
+            process.terminate()
 
 
 def test_ctrl_c_ends_it_with_viewers_watching():
     """One of them answers nothing."""
-    process, address = start_live()
-    served = Served(address)
-    try:
+    with command_served() as (process, address):
+        served = Served(address)
         with socket.create_connection(("127.0.0.1", served.port), timeout=GIVE_UP) as viewer:
             request = (
-                f"GET {served.path}live HTTP/1.1\r\nHost: 127.0.0.1:{served.port}\r\nOrigin: {served.origin}\r\n"
+                f"GET {served.path}live HTTP/1.1\r\nHost: {served.host}\r\nOrigin: {served.origin}\r\n"
                 "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
                 "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
             )
@@ -487,30 +470,15 @@ def test_ctrl_c_ends_it_with_viewers_watching():
             assert viewer.recv(12) == b"HTTP/1.1 101"
             process.send_signal(signal.SIGINT)
             _, error = process.communicate(timeout=GIVE_UP)
-    finally:
-        process.kill()
-    assert process.returncode == 130 and error == "interrupted\n"
-    assert len(served.path.strip("/")) > 20
+    assert process.returncode == 130 and error == "interrupted\n" and len(served.path.strip("/")) > 20
 
 
 # The live page as a student meets it, in a real browser, on a desk and on a phone
 
 
-@contextmanager
-def command_served(*arguments):
-    """The address of a `run-live` which tests leave alone."""
-    process, address = start_live(*arguments)
-    try:
-        yield address
-        assert process.poll() is None, process.communicate()[1]
-    finally:
-        process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=GIVE_UP)
-
-
 @pytest.fixture(scope="module")
 def address():
-    with command_served() as served:
+    with command_served() as (_, served):
         yield served
 
 
@@ -523,44 +491,35 @@ def page(browser, address, request):
         assert page.complaints == []
 
 
+GROUNDS = "all => all.map(e => getComputedStyle(e).backgroundColor)"
 everywhere = pytest.mark.parametrize("page", [390, 1280], indirect=True)
 on_a_desk = pytest.mark.parametrize("page", [1280], indirect=True)
 
 
-def wait_for_frames(page, count: int = 3) -> None:
+def wait_for_frames(page, count=3):
     seen = page.evaluate("() => window.live ? window.live.frames : 0")
     page.wait_for_function("least => window.live && window.live.frames >= least", arg=seen + count)
 
 
-def type_value(page, key: str, value: str) -> None:
-    page.locator(f"#{key}-typed").fill(value)
+def set_value(page, key, value):
+    page.locator(f"#{key}-typed").fill(f"{value:g}")
     page.locator(f"#{key}-typed").press("Tab")
+    wait_for_value(page, key, value)
 
 
-def wait_for_value(page, key: str, value: float) -> None:
+def wait_for_value(page, key, value):
     page.wait_for_function("([key, value]) => window.live.bearing().values[key] === value", arg=[key, value])
 
 
-def coloured(page, canvas: str) -> int:
+def coloured(page, canvas):
     """Pixels of a canvas that are orange or brown, as loads are."""
-    return page.locator(canvas).evaluate(
-        """canvas => { const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
-        let found = 0;
-        for (let i = 0; i < pixels.length; i += 4)
-          if (pixels[i] > 120 && pixels[i] > 1.4 * pixels[i + 2] && pixels[i + 3] > 100) found++;
-        return found; }"""
-    )
+    return coloured_pixels(page, canvas, "r > 120 && r > 1.4 * b")[0]
 
 
 @everywhere
 def test_all_is_drawn_and_read_and_nothing_comes_from_elsewhere(page, address):
     assert [url for url in page.asked if not url.startswith(("data:", "blob:"))] == [address]
-    wide, screen = page.evaluate("[document.documentElement.scrollWidth, innerWidth]")
-    assert wide <= screen
-    sizes = page.locator("p, label, dt, dd, button, small, figcaption").evaluate_all(
-        "all => all.map(e => parseFloat(getComputedStyle(e).fontSize))"
-    )
-    assert min(sizes) > 12.0
+    assert_readable(page, "p, label, dt, dd, button, small, figcaption", 12.0)
     assert coloured(page, "#bearing") > 2000 and coloured(page, "#zone canvas") > 50
     for name in ("bearing", "zone .plot", "orbit .plot", "spectrum .plot", "envelope .plot"):
         box = page.locator(f"#{name}").bounding_box()
@@ -576,8 +535,7 @@ def test_sliders_and_boxes_change_the_bearing(page):
     page.locator("#speed_rpm").fill("3000")
     wait_for_value(page, "speed_rpm", 3000)
     assert page.locator("#speed_rpm-typed").input_value() == "3000"
-    type_value(page, "clearance_um", "12.5")
-    wait_for_value(page, "clearance_um", 12.5)
+    set_value(page, "clearance_um", 12.5)
     with page.expect_download() as saved:
         page.get_by_text("Save this scene").click()
     scene = read_scene(saved.value.path())
@@ -590,17 +548,16 @@ def test_sliders_and_boxes_change_the_bearing(page):
 
 @on_a_desk
 def test_a_value_that_is_refused_is_explained_and_shocks_of_a_spall_are_warned_of(page):
-    type_value(page, "radial_load_N", "-5")
+    page.locator("#radial_load_N-typed").fill("-5")
+    page.locator("#radial_load_N-typed").press("Tab")
     refused = page.locator("#refused")
     refused.wait_for()
     assert "operation.radial_load_N = -5.0: must be greater than or equal to 0" in refused.inner_text()
     assert page.locator("#radial_load_N-typed").input_value() == "2000"
     wait_for_frames(page)
-    type_value(page, "radial_load_N", "2500")
-    wait_for_value(page, "radial_load_N", 2500)
+    set_value(page, "radial_load_N", 2500)
     refused.wait_for(state="hidden")
-    type_value(page, "outer_ring_spall_mm", "0.8")
-    wait_for_value(page, "outer_ring_spall_mm", 0.8)
+    set_value(page, "outer_ring_spall_mm", 0.8)
     page.locator("#cautions").wait_for()
     page.wait_for_function("() => document.querySelector('#cautions').textContent.includes('elastic waves')")
     page.get_by_role("button", name="Reset").click()
@@ -640,19 +597,15 @@ def test_numbers_of_an_axis_differ_however_small_its_steps(page):
 def test_the_bearing_stays_in_view_beside_many_controls_and_is_dark_where_all_is(browser):
     """Of a housing and spalls of all three bodies; on a phone it stays while the controls are moved."""
     spalls = ("spall.0.width_mm=0.5", "spall.1.body=inner_ring", "spall.2.body=roller", "spall.2.roller=1")
-    with command_served("--set", "support.kind=housing", *sets(*spalls)) as address:
+    with command_served(*sets("support.kind=housing", *spalls)) as (_, address):
         for width, controls_at in ((1280, "0"), (390, "document.querySelector('#mass_kg').offsetTop - 500")):
             with open_page(browser, address, width, color_scheme="dark") as page:
                 wait_for_frames(page)
                 page.evaluate(f"window.scrollTo(0, {controls_at})")
                 box = page.locator("#bearing").bounding_box()
-                assert box["y"] >= -1.0 and box["y"] + box["height"] <= 800.0
-                assert coloured(page, "#bearing") > 500
-                colours = (
-                    "[document.body, document.querySelector('.card')].map(e => getComputedStyle(e).backgroundColor)"
-                )
-                light = [[int(part) for part in re.findall(r"\d+", colour)] for colour in page.evaluate(colours)]
-                assert max(max(colour) for colour in light) < 60
+                assert box["y"] >= -1.0 and box["y"] + box["height"] <= 800.0 and coloured(page, "#bearing") > 500
+                grounds = page.locator("body, .card").evaluate_all(GROUNDS)
+                assert max(int(part) for ground in grounds for part in re.findall(r"\d+", ground)) < 60
                 bodies = page.evaluate("live.bearing().spalls.map(spall => spall.body)")
                 assert bodies == ["outer_ring", "inner_ring", "roller"]
 
@@ -660,7 +613,7 @@ def test_the_bearing_stays_in_view_beside_many_controls_and_is_dark_where_all_is
 @pytest.mark.slow  # another server and page
 def test_the_page_says_when_the_program_has_ended(browser):
     with ExitStack() as held:
-        with command_served() as address:
+        with command_served() as (_, address):
             page = held.enter_context(open_page(browser, address))
             wait_for_frames(page, 1)
         page.locator("#ended").wait_for()

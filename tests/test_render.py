@@ -44,30 +44,26 @@ def drawn(instant):
     return drawn_bearing(instant)
 
 
-def image_of(run, sample=SAMPLE, **request):
+def images_of(run, *samples, **request):
     from fem.pictures.views import Renderer
 
-    with Renderer(run, Request(**{"width": WIDTH, **request}), [sample]) as renderer:
-        return renderer.image(sample)
+    with Renderer(run, Request(**{"width": WIDTH, **request}), [samples[0]]) as renderer:
+        return [renderer.image(sample) for sample in samples]
 
 
 @pytest.fixture(scope="module")
 def image(can_draw, run):
-    return image_of(run)
+    return images_of(run, SAMPLE)[0]
 
 
 def near(image, colour, tolerance=12):
     return np.abs(image.astype(int) - colour).max(axis=-1) <= tolerance
 
 
-def test_what_is_drawn_is_linear_in_the_magnification_which_is_round_and_draws_the_largest_near_its_share(
-    instant, drawn
-):
-    """Displacement is measured from parts that just touch."""
+def test_what_is_drawn_is_linear_in_the_magnification_which_is_round_and_fits_the_largest(instant, drawn):
     largest = float(drawn.quantity("displacement").max())
     factor = chosen_magnification(largest, PAPER_RADIUS)
-    assert LARGEST_SHARE / 1.5 < factor * largest / PAPER_RADIUS <= LARGEST_SHARE
-    assert factor == float(f"{factor:.1e}")  # two digits say it
+    assert LARGEST_SHARE / 1.5 < factor * largest / PAPER_RADIUS <= LARGEST_SHARE and factor == float(f"{factor:.1e}")
     assert drawn.points(0.0) == pytest.approx(drawn.reference, abs=0.0)
     once, often = drawn.points(1.0) - drawn.reference, drawn.points(300.0) - drawn.reference
     assert often == pytest.approx(300.0 * once, rel=1e-9, abs=1e-15)
@@ -92,10 +88,8 @@ def test_rollers_and_hub_are_drawn_where_the_file_has_them_and_loaded_contacts_c
 
 
 def test_clearance_is_magnified_like_displacements(tmp_path):
-    path = tmp_path / "loose.nc"
-    loose = sets("bearing.outer_raceway_diameter_mm=56.02", "numerics.start=rest")
-    assert run_main(["--mesh-size", "2", "--duration", "0", *loose, "--output", str(path), "--quiet"]) == 0
-    raceway = drawn_bearing(StoredRun(path).instant(0)).outlines(100.0)[2][::ARCS]  # its nodes
+    loose = at_rest(tmp_path / "loose.nc", "bearing.outer_raceway_diameter_mm=56.02", "numerics.start=rest")
+    raceway = drawn_bearing(loose.instant(0)).outlines(100.0)[2][::ARCS]  # its nodes
     assert np.hypot(*raceway.T) == pytest.approx(np.full(len(raceway), 28e-3 + 100.0 * 10e-6), abs=1e-9)
 
 
@@ -152,14 +146,11 @@ def test_the_picture_shows_stress_forces_housing_load_zone_and_text_on_white(ima
     assert near(image[240:], LOAD_ZONE).sum() > 20 * near(image[:240], LOAD_ZONE).sum()
 
 
-def test_the_same_instant_gives_the_same_picture_whatever_was_drawn_before_and_others_others(can_draw, run, image):
-    from fem.pictures.views import Renderer
-
-    with Renderer(run, Request(width=WIDTH), [SAMPLE]) as renderer:
-        other = renderer.image(SAMPLE - 100)
-        assert np.array_equal(renderer.image(SAMPLE), image) and not np.array_equal(other, image)
+def test_the_same_instant_gives_the_same_picture_whatever_was_drawn_before_and_others_others(run, image):
+    _, other, again = images_of(run, SAMPLE, SAMPLE - 100, SAMPLE)
+    assert np.array_equal(again, image) and not np.array_equal(other, image)
     for request in ({"magnification": 1.0}, {"field": "max-shear"}, {"field": "displacement"}):
-        other = image_of(run, **request)
+        (other,) = images_of(run, SAMPLE, **request)
         assert other.shape == image.shape and not np.array_equal(other, image), request
 
 
@@ -170,13 +161,13 @@ def test_an_unloaded_bearing_is_drawn_without_arrows(can_draw, coarse_run, monke
     still = replace(plain, **{name: 0.0 * getattr(plain, name) for name in names})
     monkeypatch.setattr(run, "instant", lambda sample: still)
     monkeypatch.setattr(run, "contact_forces", lambda samples: np.zeros((1, 3, 13)))
-    assert not near(image_of(run, width=400), FORCE).any()
-    assert image_of(run, width=400, view="close-up").shape == (300, 400, 3)
+    assert not near(images_of(run, 0, width=400)[0], FORCE).any()
+    assert images_of(run, 0, width=400, view="close-up")[0].shape == (300, 400, 3)
 
 
 def test_a_close_up_shows_the_shear_below_both_contacts(can_draw, run):
     """Brightest (viridis' yellow and green) on both sides of the contact in its panel, off the surface."""
-    picture = image_of(run, view="close-up")
+    (picture,) = images_of(run, SAMPLE, view="close-up")
     assert picture.shape == (480, WIDTH, 3)
     for top, bottom in ((48, 200), (274, 428)):
         bright = picture[top:bottom, 468:474, 1].astype(int).mean(axis=1) > 150
@@ -282,33 +273,22 @@ def test_unusable_options_exit_2_in_a_sentence(coarse_run, capsys, options, word
     assert words in told and "Traceback" not in told
 
 
-def areas(points, triangles):
-    a, b, c = (points[triangles[:, k]] for k in range(3))
-    return 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
-
-
 def test_refined_triangles_are_as_small_as_wanted_cover_the_area_once_and_hang_no_node_on_an_edge():
     mesh, contact = mesh_of(Disc(radius=5e-3, layers=5)), np.array([5e-3, 0.0])
-
-    def wanted(middles):
-        return np.maximum(0.2 * np.hypot(*(middles - contact).T), 2e-5)
-
+    wanted = lambda middles: np.maximum(0.2 * np.hypot(*(middles - contact).T), 2e-5)  # noqa: E731
     plane = np.column_stack([mesh.points, mesh.points @ [3.0, -2.0] + 1.0])
     data, triangles = refined(plane, mesh.cells, wanted)
-    corners = data[triangles, :2]
-    longest = np.hypot(*(corners - np.roll(corners, 1, axis=1)).transpose(2, 0, 1)).max(axis=1)
-    assert np.all(longest <= wanted(corners.mean(axis=1)))
+    sides = [np.diff(found[:, [0, 1, 2, 0]], axis=1) for found in (data[triangles, :2], mesh.points[mesh.cells])]
+    longest = np.linalg.norm(sides[0], axis=2).max(axis=1)
+    assert np.all(longest <= wanted(data[triangles, :2].mean(axis=1)))
     assert longest.min() < 2e-5 and longest.max() > 5e-4  # fine at the contact only
-    covered = areas(data[:, :2], triangles)
-    assert covered.min() > 0.0 and covered.sum() == pytest.approx(areas(mesh.points, mesh.cells).sum(), rel=1e-12)
+    covered, before = (0.5 * (x[:, 0] * y[:, 1] - y[:, 0] * x[:, 1]) for x, y in (np.moveaxis(s, 2, 0) for s in sides))
+    assert covered.min() > 0.0 and covered.sum() == pytest.approx(before.sum(), rel=1e-12)
     edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     edges, count = np.unique(edges, axis=0, return_counts=True)
-    assert count.max() == 2
-    lone, rim = data[edges[count == 1], :2].mean(axis=1), mesh.points[-30:]
-    normals = rim + np.roll(rim, -1, axis=0)  # every edge at one triangle only lies on a chord of the circle
-    normals /= np.hypot(*normals.T)[:, None]
-    height = np.max(lone @ normals.T, axis=1)
-    assert height == pytest.approx(np.full(len(lone), 5e-3 * np.cos(np.pi / 30)), rel=1e-9)
+    lone, normal = data[edges[count == 1], :2].mean(axis=1), 2.0 * np.pi * (np.arange(30) + 0.5) / 30
+    height = np.max(lone @ [np.cos(normal), np.sin(normal)], axis=1)  # of edges at one triangle: on chords
+    assert count.max() == 2 and height == pytest.approx(np.full(len(lone), 5e-3 * np.cos(np.pi / 30)), rel=1e-9)
     assert np.array_equal(data[: len(mesh.points), :2], mesh.points)  # columns are carried along
     assert data[:, 2] == pytest.approx(data[:, :2] @ [3.0, -2.0] + 1.0)
 
@@ -323,9 +303,9 @@ def expected_export(run):
     return [fields(run.instant(sample)) for sample in SAMPLES]
 
 
+@pytest.fixture(scope="module")
 def n_cells(run):
-    model = run.model
-    return len(model.inner_ring.cells) + len(model.outer_ring.cells), 13 * len(model.roller.cells)
+    return len(run.model.inner_ring.cells) + len(run.model.outer_ring.cells), 13 * len(run.model.roller.cells)
 
 
 def test_points_are_where_rigid_motion_takes_them_and_the_tensor_and_von_mises_agree(instant, expected_export):
@@ -343,41 +323,33 @@ def test_points_are_where_rigid_motion_takes_them_and_the_tensor_and_von_mises_a
     assert data["von_mises"] == pytest.approx(von_mises(tensor[:, [0, 1, 0], [0, 1, 1]], 0.3), rel=1e-4, abs=10.0)
 
 
-def test_a_vtkhdf_series_reads_back_in_vtk(run, coarse_run, expected_export, tmp_path, capsys):
-    vtk = pytest.importorskip("vtkmodules.vtkIOHDF")
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-
-    target = tmp_path / "run.vtkhdf"
+def test_a_vtkhdf_series_reads_back_in_vtk(run, n_cells, coarse_run, expected_export, tmp_path, capsys):
+    pv, (rings, triangles), target = pytest.importorskip("pyvista"), n_cells, tmp_path / "run.vtkhdf"
     assert render_main([str(coarse_run), "--export", str(target), "--frames", "3", "--quiet"]) == 0
     assert str(target) in capsys.readouterr().out
-    reader = vtk.vtkHDFReader()
-    reader.SetFileName(str(target))
+    reader = pv.get_reader(target).reader  # VTK's
     reader.UpdateInformation()
     assert reader.GetNumberOfSteps() == 3
-    rings, triangles = n_cells(run)
     for step, (points, data) in enumerate(expected_export):
         reader.SetStep(step)
         reader.Update()
-        grid = reader.GetOutput()
+        grid = pv.wrap(reader.GetOutput())
         assert reader.GetTimeValue() == pytest.approx(run.times[SAMPLES[step]])
-        assert grid.GetNumberOfCells() == rings + triangles
-        assert grid.GetCellType(0) == 9 and grid.GetCellType(rings) == 5
-        assert np.array_equal(vtk_to_numpy(grid.GetPoints().GetData())[:, :2], points)
+        assert grid.n_cells == rings + triangles and grid.celltypes[[0, rings]].tolist() == [9, 5]
+        assert np.array_equal(grid.points[:, :2], points)
         for name, values in data.items():
-            assert np.array_equal(vtk_to_numpy(grid.GetPointData().GetArray(name)), values)
-        body = vtk_to_numpy(grid.GetCellData().GetArray("body"))
-        assert body[0] == 0 and body[rings - 1] == 1 and body[rings] == 2 and body[-1] == 14
+            assert np.array_equal(grid.point_data[name], values)
+        assert grid.cell_data["body"][[0, rings - 1, rings, -1]].tolist() == [0, 1, 2, 14]
         for cell in (0, rings + triangles - 1):  # corners of a cell lie together
-            corners = np.array([grid.GetCell(cell).GetPoints().GetPoint(k)[:2] for k in range(3)])
-            assert np.ptp(corners, axis=0).max() < 4e-3
+            assert np.ptp(grid.get_cell(cell).points, axis=0).max() < 4e-3
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
-def test_an_instant_reads_back_in_meshio(run, coarse_run, expected_export, tmp_path, suffix):
+def test_an_instant_reads_back_in_meshio(n_cells, coarse_run, expected_export, tmp_path, suffix):
     target = tmp_path / f"instant{suffix}"
     assert render_main([str(coarse_run), "--export", str(target), "--time", "2"]) == 0
     assert [path.name for path in tmp_path.iterdir()] == [target.name]
-    mesh, (points, data), (rings, triangles) = meshio.read(target), expected_export[1], n_cells(run)
+    mesh, (points, data), (rings, triangles) = meshio.read(target), expected_export[1], n_cells
     assert mesh.points[:, :2] == pytest.approx(points, abs=1e-12)
     assert {block.type: len(block.data) for block in mesh.cells} == {"quad": rings, "triangle": triangles}
     for name in ("displacement", "von_mises"):
@@ -394,20 +366,22 @@ SETTINGS = (
 )  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def faulty(tmp_path_factory):
-    """At rest: no time loop is compiled."""
-    path = tmp_path_factory.mktemp("faults") / "run.nc"
-    options = ["--model", "lagrange", "--mesh-size", "2", "--duration", "0", "--quiet", "--output", str(path)]
-    assert run_main([*options, *sets(*SETTINGS)]) == 0
+def at_rest(path, *settings):
+    """A run in which no time loop is compiled."""
+    options = ["--mesh-size", "2", "--duration", "0", "--quiet", "--output", str(path)]
+    assert run_main([*options, *sets(*settings)]) == 0
     return StoredRun(path)
 
 
 @pytest.fixture(scope="module")
+def faulty(tmp_path_factory):
+    return at_rest(tmp_path_factory.mktemp("faults") / "run.nc", "model=lagrange", *SETTINGS)
+
+
+@pytest.fixture(scope="module")
 def sketch(faulty):
-    instant = faulty.instant(0)
-    drawn = drawn_bearing(instant)
-    return lambda magnification=1.0: Drawing(instant=instant, drawn=drawn, magnification=magnification)
+    about = {"instant": (instant := faulty.instant(0)), "drawn": drawn_bearing(instant)}
+    return lambda magnification=1.0: Drawing(**about, magnification=magnification)
 
 
 def test_holes_lie_where_spalls_are_and_are_as_deep(sketch):
@@ -458,5 +432,5 @@ def test_charts_magnify_heights_around_their_circles_and_an_unequal_roller_is_na
 
 @pytest.mark.parametrize("view", ["close-up", pytest.param("bearing", marks=pytest.mark.slow)])
 def test_faults_are_seen(can_draw, faulty, view):
-    image = image_of(faulty, 0, view=view, roller=3)
+    (image,) = images_of(faulty, 0, view=view, roller=3)
     assert near(image, ORANGE, 39).sum() > (200 if view == "bearing" else 3)

@@ -13,7 +13,7 @@ from fem.commands.rate_bearing import rate_main
 from lagrange.scene.scene import parse_scene
 from residual.cli import main
 from residual.measured.checks import Question, assumed, check_record, write_check
-from tests.waiting import open_page
+from tests.waiting import assert_readable, coloured_pixels, open_page
 
 WIDTHS = (390, 1280)
 
@@ -59,10 +59,7 @@ def test_the_report_is_one_file_that_fetches_nothing_and_its_figures_are_seen(pa
 
 @everywhere
 def test_the_page_is_no_wider_than_the_screen_its_verdict_first_and_links_lead_somewhere(page):
-    wide, screen = page.evaluate("[document.documentElement.scrollWidth, innerWidth]")
-    assert wide <= screen
-    sizes = page.locator("p, li, td, th").evaluate_all("all => all.map(e => parseFloat(getComputedStyle(e).fontSize))")
-    assert min(sizes) > 11.0  # pixels: readable
+    assert_readable(page, "p, li, td, th", 11.0)
     verdict = page.locator(".verdict")
     assert "The trajectories are sound" in verdict.inner_text() and "and at most" in verdict.inner_text()
     assert verdict.bounding_box()["y"] < 300
@@ -114,21 +111,12 @@ def test_the_spectra_zoom_by_dragging_double_click_shows_all_and_are_saved_as_cs
     assert len(values) == 3 and values[0] == pytest.approx(249.4, rel=0.01) and min(values) > 0.0
 
 
-def _coloured(page, canvas, *colours):
-    """Pixels of a canvas that have each of some colours, given as JavaScript of r, g, b."""
-    count = """([canvas, colours]) => { const c = document.querySelector(canvas);
-    const p = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
-    return colours.map(colour => { const is = Function('r', 'g', 'b', 'return ' + colour); let n = 0;
-      for (let i = 0; i < p.length; i += 4) if (p[i + 3] > 200 && is(p[i], p[i + 1], p[i + 2])) n++; return n; }); }"""
-    return page.evaluate(count, [canvas, colours])
-
-
 @on_a_desk
 def test_curves_loads_and_the_path_are_drawn_and_in_print_tables_are_whole_and_controls_gone(page):
     page.locator("#spectra").scroll_into_view_if_needed()
-    assert min(_coloured(page, "#spectra canvas", "r < 40 && b > 150", "r > 190 && b < 60")) > 500
+    assert min(coloured_pixels(page, "#spectra canvas", "r < 40 && b > 150", "r > 190 && b < 60")) > 500
     bars, rollers = "r > 200 && g < 110 && b < 20", "r < 90 && b > 90 && b > r + 60"
-    assert min(_coloured(page, "#player canvas", bars, rollers)) > 300
+    assert min(coloured_pixels(page, "#player canvas", bars, rollers)) > 300
     order = "player run loads-and-motion spectra vibration errors budget-of-errors appendix peaks"
     places = [page.locator(f"#{name}").bounding_box()["y"] for name in order.split()]
     assert places == sorted(places)

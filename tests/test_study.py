@@ -161,8 +161,8 @@ def test_what_fails_or_takes_too_long_is_collected_with_its_text(here, capsys):
     assert "cylindrical rollers only" in error and not Path("studies").exists()
     assert run(FAILING) == 1
     first, second, third = capsys.readouterr().err.splitlines()[-3:]  # --quiet keeps no reason back
-    assert first == "4 points: 2 complete, 2 failed"
-    assert "'reduced'): failed: " in second and "cylindrical rollers only" in second and "model = 'reduced'" in third
+    assert first == "4 points: 2 complete, 2 failed" and "model = 'reduced'" in third
+    assert "'reduced'): failed: " in second and "cylindrical rollers only" in second
     with xarray.open_dataset(KEPT / "study.nc") as found:
         failed, sound = found.sel(model="reduced"), found.sel(model="lagrange")
         assert np.all(failed.status == "failed") and np.all(np.isnan(failed.largest_force))
@@ -240,21 +240,18 @@ def test_zip_takes_values_side_by_side_and_a_list_those_of_a_table(here):
     assert body.words[0] == "-" and np.isnan(width.values[0]) and width.values[2] == 2.0
 
 
-DRAWN = (
-    BASE
-    + """
+DRAWN = f"""{BASE}
 [sampling]
 method = "lhs"
 samples = 128
 seed = 3
 [parameters]
-"operation.speed_rpm" = { from = 1000.0, to = 3000.0 }
-"material.youngs_modulus_GPa" = { normal = [210.0, 5.0] }
-"operation.radial_load_N" = { from = 100.0, to = 1000.0, scale = "log" }
-"bearing.rollers" = { from = 9, to = 12 }
+"operation.speed_rpm" = {{ from = 1000.0, to = 3000.0 }}
+"material.youngs_modulus_GPa" = {{ normal = [210.0, 5.0] }}
+"operation.radial_load_N" = {{ from = 100.0, to = 1000.0, scale = "log" }}
+"bearing.rollers" = {{ from = 9, to = 12 }}
 "bearing.roller_length_mm" = [9.0, 10.0]
 """
-)
 
 
 @pytest.mark.parametrize("method", ["lhs", "sobol"])
@@ -343,8 +340,7 @@ def in_a_pipe(path):
 
 
 def seal(path, **arrays):
-    archive = io.BytesIO()
-    np.savez(archive, **arrays)
+    np.savez(archive := io.BytesIO(), **arrays)
     write_sealed(path, archive.getvalue())
 
 
@@ -540,7 +536,7 @@ FORCE, HUB = "largest force on the inner raceway, N", "mean position of the hub,
 @pytest.fixture
 def made_up(tmp_path, monkeypatch):
     """Gives the table of a study whose largest force is a function of speed, load and length, and its page's text."""
-    monkeypatch.chdir(tmp_path)
+    monkeypatch.chdir(tmp_path)  # pages with figures
 
     def make(force, failed=(), page=False, **values):
         points, folder = points_of(MADE_UP.format(**values)), Folder(path=Path("out"))
@@ -637,18 +633,18 @@ def test_lines_of_a_grid_go_through_every_point(made_up, speed, length, monkeypa
 
 
 @pytest.fixture
-def documented(here):
-    for path in (DOCS / "studies").iterdir():
-        if path.is_file():
-            shutil.copy(path, here)
+def script(here, monkeypatch):
+    """Runs a program of those beside the studies, which are copied here."""
+    shutil.copytree(DOCS / "studies", here, dirs_exist_ok=True)
+
+    def run(name, *words):
+        monkeypatch.setattr(sys, "argv", [name, *words])
+        runpy.run_path(name, run_name="__main__")
+
+    return run
 
 
-def script(monkeypatch, name, *words):
-    monkeypatch.setattr(sys, "argv", [name, *words])
-    runpy.run_path(name, run_name="__main__")
-
-
-def test_the_studies_of_the_docs_are_studies(documented, monkeypatch):
+def test_the_studies_of_the_docs_are_studies(script):
     (block,) = blocks(DOCS / "studies.md", "toml")
     assert run_main(["--example", "NU206"]) == 0
     found = points_of(block, "shown.toml")
@@ -658,24 +654,24 @@ def test_the_studies_of_the_docs_are_studies(documented, monkeypatch):
     drawn = drawn.replace("# indices", "indices").replace('# "material', '"material')
     assert len(points_of(re.sub(r", count = \d+", "", drawn), "drawn.toml")) == 64 * (5 + 2)
     assert [len(points_of(name=f"{name}.toml")) for name in ("clearance", "widths", "profiles")] == [42, 84, 28]
-    script(monkeypatch, "spalls.py", "8")
+    script("spalls.py", "8")
     found = points_of(name="spalls.toml")
     bodies = ["none" if not (spalls := found.scene(i).spall) else spalls[0].body for i in range(8)]
     assert bodies == ["none", "outer_ring", "inner_ring", "roller"] * 2
 
 
 @pytest.mark.slow
-def test_the_programs_of_the_examples_run(documented, monkeypatch, capsys):
+def test_the_programs_of_the_examples_run(script, capsys):
     pytest.importorskip("sklearn")
-    script(monkeypatch, "spalls.py", "16")
+    script("spalls.py", "16")
     Path("docs").mkdir()
     shutil.move("clearance.py", "docs/clearance.py")
     text = Path("clearance.toml").read_text().replace("count = 7", "count = 2").replace("count = 6", "count = 2")
     Path("clearance.toml").write_text(text)
     for name in ("clearance", "spalls"):
         assert study_main([f"{name}.toml", "--quiet", "--workers", "1"]) == 0
-    script(monkeypatch, "docs/clearance.py")
-    script(monkeypatch, "spalls.py")
+    script("docs/clearance.py")
+    script("spalls.py")
     assert "of 8 right" in capsys.readouterr().out
 
 
@@ -692,18 +688,22 @@ def advance(state, most, real=LagrangianState.advance):
 
 LagrangianState.advance = advance
 """
-CHILD = (
-    "import sys\nsys.path[:0] = {path!r}\n"
-    + DEED
-    + """
+STUDIED = """
 from fem.commands.run_study import study_main
 if __name__ == "__main__":
     from fem.study import solving
     solving.GRACE = 3.0
     sys.exit(study_main(["study.toml", "--quiet", "--workers", "2"]))
 """
-)
 HANG = "import ctypes; ctypes.PyDLL(None).sleep(3600)"  # keeps even the interpreter's lock: it answers nobody
+
+
+def child(text, deed):
+    """A study by two processes, which do something where the speed is 3000 rpm."""
+    Path("study.toml").write_text(text, encoding="utf-8")
+    program = f"import sys\nsys.path[:0] = {PATH!r}\n{DEED.format(deed=deed)}{STUDIED}"
+    Path("run.py").write_text(program, encoding="utf-8")  # the processes begin with it, too
+    return subprocess.Popen([sys.executable, "run.py"], stderr=subprocess.PIPE, text=True)
 
 
 def is_as_by_one_process(text):
@@ -740,11 +740,10 @@ def test_processes_give_what_one_gives_and_nobody_can_connect_to_them(here, monk
     ("import os, signal; os.kill(os.getpid(), signal.SIGKILL)", "missing"), (HANG, "stopped"),
 ])  # fmt: skip
 def test_a_process_that_dies_or_hangs_costs_its_own_point(deed, status, here):
-    Path("run.py").write_text(CHILD.format(path=PATH, deed=deed), encoding="utf-8")  # the processes begin with it, too
-    Path("study.toml").write_text(GRID + "[limits]\nseconds_per_point = 20.0\n", encoding="utf-8")
-    done = subprocess.run([sys.executable, "run.py"], stderr=subprocess.PIPE, text=True)
-    assert done.returncode == 1
-    assert status == "stopped" or "its process died (exit code -9)" in done.stderr
+    process = child(GRID + "[limits]\nseconds_per_point = 20.0\n", deed)
+    _, error = process.communicate()
+    assert process.returncode == 1
+    assert status == "stopped" or "its process died (exit code -9)" in error
     with xarray.open_dataset(KEPT / "study.nc") as found:
         assert (found.sel(speed_rpm=3000.0).status == status).all()
         assert (found.drop_sel(speed_rpm=3000.0).status == "complete").all()
@@ -752,61 +751,45 @@ def test_a_process_that_dies_or_hangs_costs_its_own_point(deed, status, here):
 
 @pytest.mark.slow
 def test_processes_end_with_an_interrupted_study(here):
-    Path("run.py").write_text(CHILD.format(path=PATH, deed="import time; time.sleep(3600)"), encoding="utf-8")
-    Path("study.toml").write_text(GRID, encoding="utf-8")
-    process = subprocess.Popen([sys.executable, "run.py"], stderr=subprocess.PIPE, text=True)
+    process = child(GRID, "import time; time.sleep(3600)")
     wait_until(lambda: len(list(KEPT.glob("points/*.point"))) == 2, process)
     mine = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
     process.send_signal(signal.SIGINT)
     assert process.wait(30) == 130
     assert "--resume goes on with the other 4" in process.stderr.read()
-    wait_until(lambda: not any(is_alive(pid) for pid in mine))
-
-
-def is_alive(pid):
-    try:
-        return bool(Path(f"/proc/{pid}/cmdline").read_bytes())  # empty: ended, and not asked for yet
-    except OSError:
-        return False
+    places = [Path(f"/proc/{pid}/cmdline") for pid in mine]
+    wait_until(lambda: not any(place.exists() and place.read_bytes() for place in places))  # empty: not asked for yet
 
 
 @pytest.fixture
-def started(tmp_path):
-    """Starts a program of dask with the tests' own import path; all are ended with the test."""
+def cluster(tmp_path):
+    """Options that name a scheduler, and what starts a worker of it by the tests' own import path."""
     pytest.importorskip("distributed")
-    running = []
+    running, file, local = [], tmp_path / "scheduler.json", ("--no-dashboard", "--host", "127.0.0.1")
 
-    def start(*words):
-        log = open(tmp_path / f"log-{len(running)}", "w", encoding="utf-8")
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(PATH)}
-        program = [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]]
-        running.append(subprocess.Popen(program, stderr=log, stdout=log, env=environment))
+    def start(program, *words):
+        command = [sys.executable, "-m", f"distributed.cli.{program}", *words]
+        with open(tmp_path / f"log-{len(running)}", "w", encoding="utf-8") as log:
+            environment = {**os.environ, "PYTHONPATH": os.pathsep.join(PATH)}
+            running.append(subprocess.Popen(command, stderr=log, stdout=log, env=environment))
         return running[-1]
 
-    yield start
+    def worker(*words):
+        return start("dask_worker", address, "--nthreads", "1", "--no-dashboard", *(words or ("--no-nanny",)))
+
+    start("dask_scheduler", "--port", "0", "--scheduler-file", str(file), *local)
+    wait_until(lambda: file.exists() and file.read_text().endswith("}"))
+    address = read_json(file)["address"]
+    yield ("--scheduler", address), worker
     for process in reversed(running):
         process.kill()  # they hold nothing, and a worker without its scheduler waits long
     for process in running:
         process.wait(GIVE_UP)
 
 
-@pytest.fixture
-def scheduler(started, tmp_path):
-    """Options that name a scheduler."""
-    file = tmp_path / "scheduler.json"
-    started("dask_scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", str(file), "--host", "127.0.0.1")
-    wait_until(lambda: file.exists() and file.read_text().endswith("}"))
-    return "--scheduler", read_json(file)["address"]
-
-
-def worker(started, scheduler, *words):
-    return started("dask_worker", scheduler[1], "--nthreads", "1", "--no-dashboard", *(words or ("--no-nanny",)))
-
-
-def test_two_workers_of_a_scheduler_give_what_one_process_gives(here, started, scheduler):
-    """Three programs and two points: what CI has of a cluster. The slow tests below kill and hang them."""
-    for _ in range(2):
-        worker(started, scheduler)
+def test_two_workers_of_a_scheduler_give_what_one_process_gives(here, cluster):
+    scheduler, worker = cluster
+    _ = worker(), worker()
     assert run(TWO, workers=scheduler) == 0
     is_as_by_one_process(TWO)
 
@@ -829,8 +812,9 @@ def test_what_is_no_scheduler_is_named_and_dask_asked_for_before_any_work(here, 
 
 
 @pytest.mark.slow
-def test_points_of_a_killed_worker_are_solved_by_another(here, started, scheduler):
-    first, _ = worker(started, scheduler), worker(started, scheduler)
+def test_points_of_a_killed_worker_are_solved_by_another(here, cluster):
+    scheduler, worker = cluster
+    first, _ = worker(), worker()
 
     def kill():
         wait_until(lambda: len(list(KEPT.glob("points/*.point"))) > 5)
@@ -845,12 +829,11 @@ def test_points_of_a_killed_worker_are_solved_by_another(here, started, schedule
 
 
 @pytest.mark.slow
-def test_a_point_that_hangs_in_compiled_code_ends_by_its_limit_and_the_study_goes_on(
-    here, started, scheduler, monkeypatch
-):
+def test_a_point_that_hangs_in_compiled_code_ends_by_its_limit_and_the_study_goes_on(here, cluster, monkeypatch):
+    scheduler, worker = cluster
     monkeypatch.setattr("fem.study.solving.GRACE", 3.0)
     Path("hanging.py").write_text(DEED.format(deed=HANG), encoding="utf-8")
-    worker(started, scheduler, "--preload", str(here / "hanging.py"))
+    worker("--preload", str(here / "hanging.py"))
     assert run(GRID + "[limits]\nseconds_per_point = 2.0\n", workers=scheduler) == 1
     with xarray.open_dataset(KEPT / "study.nc") as found:
         hung = found.sel(speed_rpm=3000.0)

@@ -63,3 +63,22 @@ def open_page(browser, address: str, width: int = 1280, **context) -> Iterator:
     page.goto(address)
     yield page
     context.close()
+
+
+def assert_readable(page, texts: str, least: float) -> None:
+    """The page is no wider than its screen, and texts of these elements are larger than so many pixels."""
+    wide, screen = page.evaluate("[document.documentElement.scrollWidth, innerWidth]")
+    assert wide <= screen
+    sizes = page.locator(texts).evaluate_all("all => all.map(e => parseFloat(getComputedStyle(e).fontSize))")
+    assert min(sizes) > least
+
+
+def coloured_pixels(page, canvas: str, *colours: str) -> list[int]:
+    """Pixels of a canvas that have each of some colours, given as JavaScript of r, g, b."""
+    tests = ", ".join(f"(r, g, b) => {colour}" for colour in colours)
+    return page.locator(canvas).evaluate(
+        f"""c => {{ const p = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
+        return [{tests}].map(is => {{ let n = 0;
+          for (let i = 0; i < p.length; i += 4) if (p[i + 3] > 100 && is(p[i], p[i + 1], p[i + 2])) n++;
+          return n; }}); }}"""
+    )

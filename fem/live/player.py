@@ -178,9 +178,7 @@ class Record:
         way, self._way = self._way, np.zeros((2, 0))
         return way[:, :: -(-way.shape[1] // MOST_PLACES) or 1]
 
-    @property
-    def length(self) -> float:  # time that the spectrum is of, s
-        return self._acceleration.shape[1] * self._interval
+    length = property(lambda self: self._acceleration.shape[1] * self._interval)  # time that the spectrum is of, s
 
     def spectrum(self) -> tuple[np.ndarray, np.ndarray]:
         """Amplitudes of the measured acceleration, (2, n), m/s², x and y, by frequencies, (n,), Hz.
@@ -261,6 +259,7 @@ class Player:
         self.scene, self.plan, self._state = scene, plan, state
         self.bearing, self._axial, self._cage = played.ideal_bearing(), scene.ideal_axial(), scene.ideal_cage()
         self._operation = played.ideal_operation()
+        self._frequencies = kinematics(scene.perfect_bearing(), *self._operation.ring_speeds).frequencies
         self._pressures = None if self._axial is None else np.zeros((self.bearing.n_rollers, self._axial.slices))
         self._restarted: str | None = None
         self._start(samples)
@@ -298,10 +297,6 @@ class Player:
             else:
                 done += self._take(_good(block))
         return done
-
-    @property
-    def _frequencies(self) -> dict[str, float]:
-        return kinematics(self.scene.perfect_bearing(), *self._operation.ring_speeds).frequencies
 
     def fault_lines(self) -> dict[str, float]:
         """Kinematic lines of damage of outer ring, inner ring and rolling element, Hz."""

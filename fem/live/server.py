@@ -13,7 +13,7 @@ import secrets
 import socket
 import time
 from collections.abc import Callable
-from contextlib import suppress
+from concurrent.futures import Future
 from http import HTTPStatus
 from pathlib import Path
 from threading import Thread
@@ -129,7 +129,8 @@ class LiveServer:
                     done = await self._in_thread(self._player.advance, max(1, int(wanted)), is_late)
                 except RunFailed as error:
                     publish("refused", f"{error}; change a value to restart")
-                    self._change_pace(Pace(slowness=pace.slowness, playing=False))
+                    self._pace = Pace(slowness=pace.slowness, playing=False)
+                    publish("pace", self._pace.model_dump())
                     continue
                 residue = max(0.0, wanted - max(1, int(wanted)))
                 reached = since / (done * self._player.plan.interval)
@@ -140,26 +141,17 @@ class LiveServer:
 
     def _in_thread(self, work: Callable, *arguments: object) -> asyncio.Future:
         """The work's outcome, by a thread for which the process need not wait: it may be compiling."""
-        outcome = self._loop.create_future()
-
-        def settle(method: str, value: object) -> None:
-            if not outcome.done():
-                getattr(outcome, method)(value)
+        outcome: Future = Future()
+        outcome.set_running_or_notify_cancel()
 
         def do() -> None:
             try:
-                found = "set_result", work(*arguments)
+                outcome.set_result(work(*arguments))
             except BaseException as error:
-                found = "set_exception", error
-            with suppress(RuntimeError):  # the loop has ended
-                self._loop.call_soon_threadsafe(settle, *found)
+                outcome.set_exception(error)
 
         Thread(target=do, daemon=True).start()
-        return outcome
-
-    def _change_pace(self, pace: Pace) -> None:
-        self._pace = pace
-        self._publish("pace", pace.model_dump())
+        return asyncio.wrap_future(outcome, loop=self._loop)
 
     def _publish(self, kind: str, content: object) -> None:  # send a message to all; a frame to those who wait for one
         text = _message(kind, content)
@@ -195,7 +187,8 @@ class LiveServer:
         self._step |= wish.step
         self._values = wish.values or self._values
         if wish.pace is not None:
-            self._change_pace(wish.pace)
+            self._pace = wish.pace
+            self._publish("pace", wish.pace.model_dump())
         self._changed.set()
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:

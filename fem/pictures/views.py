@@ -9,7 +9,7 @@ half-widths of the widest one.
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from math import asin, pi
+from math import pi
 from pathlib import Path
 
 import numpy as np
@@ -263,13 +263,8 @@ def bars(instant: Instant) -> list[np.ndarray]:
     wall = bearing.pitch_radius + across + 1j * ahead  # of a pocket, from inside to outside; its roller on the x axis
     between = np.exp(2j * pi / bearing.pockets)
     before, after = wall, np.conj(wall) * between  # of the pocket behind, of the one in front
-
-    def arc_from(start: complex, end: complex) -> np.ndarray:
-        """The way about the cage's centre from one point to another on about the same circle."""
-        turn = asin(np.clip((np.conj(start) * end).imag / (abs(start) * abs(end)), -1.0, 1.0))
-        return start * np.exp(1j * np.linspace(0.0, turn, BAR_POINTS))
-
-    bar = np.concatenate([before, arc_from(before[-1], after[-1]), after[::-1], arc_from(after[0], before[0])])
+    arcs = (np.geomspace(*ends, BAR_POINTS) for ends in ((before[-1], after[-1]), (after[0], before[0])))
+    bar = np.concatenate([before, next(arcs), after[::-1], next(arcs)])
     first = np.exp(1j * (instant.operation.first_roller_angle + instant.cage[2]))
     turned = (bar * first * between**j for j in range(bearing.pockets))
     return [instant.cage[:2] + np.column_stack([each.real, each.imag]) for each in turned]

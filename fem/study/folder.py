@@ -299,13 +299,8 @@ class Column(NamedTuple):
     values: np.ndarray  # (n_points,), float; of words their number among `words`
     words: tuple[str, ...] = ()  # in their order; empty of numbers
 
-    @property
-    def label(self) -> str:  # meaning and unit, for an axis
-        return self.meaning if self.unit in ("1", "") else f"{self.meaning}, {self.unit}"
-
-    @property
-    def levels(self) -> np.ndarray:  # the values that it takes, each once
-        return np.unique(self.values[np.isfinite(self.values)])
+    label = property(lambda self: self.meaning if self.unit in ("1", "") else f"{self.meaning}, {self.unit}")
+    levels = property(lambda self: np.unique(self.values[np.isfinite(self.values)]))  # that it takes, each once
 
     def shown(self, value: float) -> str:
         """A value for people, without its unit."""
@@ -330,13 +325,11 @@ class Table(NamedTuple):
     quantities: list[Column]
     complete: np.ndarray  # (n_points,), bool
 
-    @property
-    def is_adjusted(self) -> bool:
-        """Whether points are samples of distributions. Shares are then adjusted for the number of groups (R̄²).
-
-        Means over k groups of n drawn points explain (k − 1)/(n − 1) of a variance that has nothing to do with the
-        parameter. A grid has no such chance in it: its shares are the variance of the means over that of all points."""
-        return self.points.design.axes is None
+    telling = property(lambda self: [column for column in self.quantities if len(column.levels) > 1])  # that differ
+    # Whether points are samples of distributions. Shares are then adjusted for the number of groups (R̄²): means over k
+    # groups of n drawn points explain (k − 1)/(n − 1) of a variance that has nothing to do with the parameter. A grid
+    # has no such chance in it: its shares are the variance of the means over that of all points.
+    is_adjusted = property(lambda self: self.points.design.axes is None)
 
     @property
     def is_family(self) -> bool:
@@ -363,15 +356,10 @@ class Table(NamedTuple):
             share = max(0.0, 1.0 - (1.0 - share) * (n - 1) / (n - k))
         return Effect(levels, mean, share)
 
-    @property
-    def telling(self) -> list[Column]:  # quantities that differ between points
-        return [column for column in self.quantities if len(column.levels) > 1]
-
     def strongest(self, quantity: Column) -> list[tuple[Column, float]]:
         """Parameters with the shares of the quantity's variance that they explain, the largest first."""
-        effects = [(parameter, self.effect(parameter, quantity)) for parameter in self.parameters]
-        shares = [(parameter, effect.share) for parameter, effect in effects if effect is not None]
-        return sorted(shares, key=lambda found: -found[1])
+        effects = ((parameter, self.effect(parameter, quantity)) for parameter in self.parameters)
+        return sorted(((each, effect.share) for each, effect in effects if effect), key=lambda found: -found[1])
 
     def sobol_indices(self, quantity: Column) -> Indices | None:
         """Of a quantity, (n_parameters,) each; None where the study was not sampled for them, or points are missing.

@@ -3,7 +3,6 @@
 import csv
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
 from itertools import product
 from math import isfinite, nan, prod
 from pathlib import Path
@@ -41,9 +40,7 @@ class SamplingTable(Table):
     indices: bool = False
     file: str | None = Field(None, min_length=1)
 
-    @property
-    def is_drawn(self) -> bool:  # whether points are drawn from distributions
-        return self.method in ("lhs", "sobol")
+    is_drawn = property(lambda self: self.method in ("lhs", "sobol"))  # whether points are drawn from distributions
 
     def _faults(self) -> Iterator[str]:
         method, samples = self.method, self.samples
@@ -153,13 +150,8 @@ class Design(NamedTuple):
             for name, key in zip(last, self.keys, strict=True)
         )
 
-    @property
-    def dimensions(self) -> tuple[str, ...]:
-        return (POINT,) if self.axes is None else self.names
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        return (len(self.points),) if self.axes is None else tuple(len(axis) for axis in self.axes)
+    dimensions = property(lambda self: (POINT,) if self.axes is None else self.names)
+    shape = property(lambda self: (len(self.points),) if self.axes is None else tuple(map(len, self.axes)))
 
     def changes(self, i: int) -> dict[str, Value]:
         """What point i changes of the scene: keys of cells left empty stay as they are."""
@@ -196,19 +188,18 @@ def study_of(path: Path, text: str, listed: str | None) -> Study:
     """
     table = StudyTable.parsed(load(text, str(path)), str(path))
     method = table.sampling.method
-    with _naming(path):
+    try:
         parameters = {key: read_parameter(key, value) for key, value in table.parameters.items()}
         if method == "list" and parameters:
             raise UsageError('[parameters]: with method = "list" they are the columns of its file; leave them out')
         if method != "list" and not parameters:
             raise UsageError('[parameters]: empty; name a key of the scene and its values, "operation.speed_rpm"')
         for key, parameter in parameters.items():
-            if table.sampling.is_drawn:
-                parameter.drawn(np.array([0.5]))
-            else:
-                parameter.axis(method)
+            _ = parameter.drawn(np.array([0.5])) if table.sampling.is_drawn else parameter.axis(method)
             if key in table.fixed:
                 raise UsageError(f'"{key}" stands in [fixed] and in [parameters]; leave it in one of them')
+    except UsageError as error:
+        raise UsageError(f"{path}: {printable(str(error))}") from None
     return Study(
         name=table.name or path.stem, scene=read_scene(), sampling=table.sampling, parameters=parameters,
         keep=table.keep, limits=table.limits, text=text, listed=listed,
@@ -222,21 +213,12 @@ def _text(path: Path) -> str:
         raise UsageError(f"{path}: {error}") from None
 
 
-@contextmanager
-def _naming(path: Path) -> Iterator[None]:  # name the file where a value of it can't be used
-    try:
-        yield
-    except UsageError as error:
-        raise UsageError(f"{path}: {printable(str(error))}") from None
-
-
 def _is_number(value: Any) -> bool:
     """Whether a value of TOML, whose whole numbers have no limit, is a number that a float can hold."""
     return isinstance(value, float | int) and not isinstance(value, bool) and abs(value) <= float_info.max
 
 
-def is_value(value: Any) -> bool:
-    """Whether a value of TOML may be one of a scene."""
+def _is_value(value: Any) -> bool:  # of a scene
     return isinstance(value, str | bool) or _is_number(value)
 
 
@@ -262,7 +244,7 @@ def _choice(key: str, place: str, given: list[Any]) -> Parameter:  # values give
     if not 1 <= n <= MOST_VALUES:
         raise UsageError(f"{place}: holds {n} values; 1 to {MOST_VALUES} are allowed")
     for value in given:
-        if not is_value(value):
+        if not _is_value(value):
             raise UsageError(f"{place}: {quoted(value)} is no value of a scene")
     if len(set(given)) < n:
         twice = next(value for i, value in enumerate(given) if value in given[:i])
@@ -334,12 +316,11 @@ def design_of(study: Study) -> Design:
     """The points of a study; the same study gives the same points.
     UsageError: lengths that differ, too many points, a list that is none."""
     method, parameters = study.sampling.method, study.parameters
-    keys = tuple(parameters)
     if method == "list":
         return _listed(study.sampling.file or "", study.listed or "")
     if study.sampling.is_drawn:
         return _drawn(study.sampling, parameters)
-    axes = tuple(parameter.axis(method) for parameter in parameters.values())
+    keys, axes = tuple(parameters), tuple(parameter.axis(method) for parameter in parameters.values())
     if method == "zip":
         if len({len(axis) for axis in axes}) > 1:
             counts = ", ".join(f'"{key}" {len(axis)}' for key, axis in zip(keys, axes, strict=True))
@@ -375,9 +356,8 @@ def _drawn(sampling: SamplingTable, parameters: Mapping[str, Parameter]) -> Desi
     if sampling.indices:
         A, B = shares[:, :d], shares[:, d:]
         shares = np.concatenate([A, B, *(np.where(np.arange(d) == i, B, A) for i in range(d))])
-    columns = [parameter.drawn(shares[:, i]) for i, parameter in enumerate(parameters.values())]
-    base = n if sampling.indices else 0
-    return Design(keys=tuple(parameters), points=list(zip(*columns, strict=True)), base=base)
+    columns = (parameter.drawn(column) for parameter, column in zip(parameters.values(), shares.T, strict=True))
+    return Design(tuple(parameters), list(zip(*columns, strict=True)), base=n if sampling.indices else 0)
 
 
 def _listed(name: str, text: str) -> Design:
@@ -403,7 +383,7 @@ def _listed(name: str, text: str) -> Design:
                 value = load(f"value = {cell}", "")["value"] if cell else None
             except SceneError:
                 value = cell
-            if cell and not is_value(value):
+            if cell and not _is_value(value):
                 raise UsageError(f"{name}: row {number}, {key} = {quoted(cell)}: is no value of a scene")
             values.append(value)
         points.append(tuple(values))

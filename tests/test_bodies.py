@@ -12,9 +12,7 @@ from fem.elastic.bodies import assemble, rigid_modes
 from fem.elastic.continuum import Section
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
 from fem.elastic.vibration import inertia
-from fem.kernels.elements import discs, rings
 from fem.kernels.elements.rings import HALO
-from fem.solver.elements.arrays import disc_nodes
 from fem.solver.rigid.state import slowest_vibration
 from lagrange import Bearing
 from meshes import Mesh
@@ -208,21 +206,15 @@ def disc_mode(body):
 
 def disc_path(omega, shape, body, dt, n_steps, mass):
     """Amplitude of the mode at every step, from rest at the first, with frames that do not turn."""
-    columns, slowing = 16, mass.at(dt)
-    nodes = disc_nodes(body, dt, columns)
-    nodes = nodes if mass.calming else nodes._replace(calmed=nodes.w)
-    u = np.zeros((2 * body.n_nodes, columns))
+    (nodes, step), found = compiled.disc_steps(body, dt, mass), []
+    u = np.zeros((2 * body.n_nodes, 16))
     u[:, 3] = 1e-6 * shape
     weight = np.repeat(body.mass, 2) * shape
     weight /= weight @ shape * 1e-6
     nodes.u[:], nodes.w[:] = u.ravel(), (0.5 * dt * omega**2 * u).ravel()  # at −dt/2, and after the kick that follows
-    still, torque, found = np.zeros(columns), np.zeros(columns), []
-    turns = discs.Turns(still, np.ones(columns), still, still, still)
     for _ in range(n_steps):
-        found.append(weight @ nodes.u.reshape(-1, columns)[:, 3])
-        compiled.kick_disc(nodes, nodes.w, columns, torque)
-        compiled.slow_disc(nodes, turns.cosine, columns, slowing.waves, slowing.velocities / dt, dt, torque)
-        compiled.drift_disc(nodes, turns, columns, dt, torque)
+        found.append(weight @ nodes.u.reshape(-1, 16)[:, 3])
+        step()
     return np.array(found)
 
 
@@ -238,15 +230,12 @@ def ring_shape(body):
 
 def ring_path(omega, shape, body, dt, n_steps, mass):
     """The same of a ring, at the place that moves most."""
-    table = -dt * rings.coefficients(body.stencil) / body.row_mass[:, None]
-    inside = np.abs(shape[:, :, HALO:-HALO])
-    at = np.unravel_index(np.argmax(inside), inside.shape) + np.array([0, 0, HALO])
-    at, u, w, found = tuple(at), 1e-6 * shape, 0.5e-6 * dt * omega**2 * shape, []
+    (u, w, step), inside = compiled.ring_steps(body, dt, mass), np.abs(shape[:, :, HALO:-HALO])
+    at = tuple(np.unravel_index(np.argmax(inside), inside.shape) + np.array([0, 0, HALO]))
+    u[:], w[:], found = 1e-6 * shape, 0.5e-6 * dt * omega**2 * shape, []
     for _ in range(n_steps):
         found.append(u[at] / (1e-6 * shape[at]))
-        compiled.kick_ring(table, u, w, None, 1, body.n_rows)
-        compiled.wrap_all(w)
-        compiled.move_slowed_ring(table, u, w, mass, dt, (1, body.n_rows), body.raceway_row)
+        step()
     return np.array(found)
 
 

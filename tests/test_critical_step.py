@@ -10,11 +10,9 @@ from scipy.linalg import eigh
 from fem.contacts import points
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.critical_step import LANCZOS_TOLERANCE, STEP_TOLERANCE, critical_time_step
-from fem.elastic.bodies import assemble
+from fem.elastic.bodies import RingBody, assemble
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
-from fem.kernels.elements import discs, rings
 from fem.kernels.elements.rings import HALO
-from fem.solver.elements.arrays import disc_nodes
 from fem.solver.simulate import make_plan
 from lagrange.scene.scene import parse_scene
 from meshes import Mesh
@@ -33,43 +31,31 @@ def coarse():
 
 
 def harder(names, times):
-    """The coarse model with contacts so many times harder."""
-    return replace(
-        coarse(), **{name: replace(getattr(coarse(), name), A=getattr(coarse(), name).A / times) for name in names}
-    )
+    laws = {name: getattr(coarse(), name) for name in names}
+    return replace(coarse(), **{name: replace(law, A=law.A / times) for name, law in laws.items()})
 
 
 def springs_of(load, sticks):
-    """Stiffnesses, N/m, of contacts at the margin over a load, (kind, normal and tangential)."""
     force, laws = LOAD_MARGIN * load, [getattr(coarse(), name) for name in LAWS]
-    shear = [
-        sticks / (law.A * (level - 0.5 * np.log(force))) for law, level in zip(laws, coarse().shear_levels, strict=True)
-    ]
-    return tuple(zip([law.stiffness(force) for law in laws], shear, strict=True))
+    both = zip(laws, coarse().shear_levels, strict=True)
+    return tuple((law.stiffness(force), sticks / (law.A * (level - 0.5 * np.log(force)))) for law, level in both)
 
 
-def dense_disc(body, springs=()):
-    """M⁻¹K and Σ 2k M⁻¹ f fᵀ, symmetric."""
-    stiffness, pressed = body.stiffness.toarray(), np.zeros(body.stiffness.shape)
+def dense(body, springs=((0.0, 0.0),)):
+    """M⁻¹K and Σ 2k M⁻¹ f fᵀ, symmetric, of a disc or a held ring, Cartesian, from scikit-fem's own matrix."""
+    stiffness = assemble(Mesh(points=body.points, cells=body.cells), body.material, LENGTH).stiffness
+    if isinstance(body, RingBody):
+        free = np.flatnonzero(np.repeat(np.arange(body.n_rows) != body.held_row, 2 * body.n_sectors))
+        mass = np.repeat(body.row_mass, 2 * body.n_sectors)[free]
+    else:
+        free, mass = np.arange(2 * body.n_nodes), np.repeat(body.mass, 2)
+    scale, pressed = 1.0 / np.sqrt(mass), np.zeros((free.size, free.size))
     for j, both in enumerate(springs):
         for spring, force in zip(both, (points.patch_force, points.patch_traction), strict=True):
             patch = force(body, 2.0 * np.pi * j / len(springs))
+            patch = scale * (body.cartesian(patch) if isinstance(body, RingBody) else patch).ravel()[free]
             pressed += 2.0 * spring * np.outer(patch, patch)
-    scale = 1.0 / np.sqrt(np.repeat(body.mass, 2))
-    return scale[:, None] * stiffness * scale, scale[:, None] * pressed * scale
-
-
-def dense_ring(body, springs=(0.0, 0.0)):
-    """The same of the held ring in Cartesian components, from scikit-fem's own matrix."""
-    stiffness = assemble(Mesh(points=body.points, cells=body.cells), body.material, LENGTH).stiffness.toarray()
-    node = np.arange(body.n_rows * body.n_sectors).reshape(body.n_rows, -1)[body.free_rows].ravel()
-    free = (2 * node[:, None] + np.arange(2)).ravel()
-    scale = 1.0 / np.sqrt(np.repeat(body.row_mass[body.free_rows], 2 * body.n_sectors))
-    pressed = np.zeros((free.size, free.size))
-    for spring, force in zip(springs, (points.patch_force, points.patch_traction), strict=True):
-        patch = scale * body.cartesian(force(body, 0.0)).ravel()[free]
-        pressed += 2.0 * spring * np.outer(patch, patch)
-    return scale[:, None] * stiffness[np.ix_(free, free)] * scale, pressed
+    return scale[:, None] * stiffness.toarray()[np.ix_(free, free)] * scale, pressed
 
 
 def squares_of_steps(waves, pressed, mass):
@@ -103,8 +89,8 @@ def longest(waves, pressed, mass):
 
 
 def dense_step(springs, mass):
-    rings = (dense_ring(coarse().inner_ring, springs[0]), dense_ring(coarse().outer_ring, springs[1]))
-    return min(longest(*dense, mass) for dense in (dense_disc(coarse().roller, springs), *rings))
+    bodies = (coarse().roller, springs), (coarse().inner_ring, springs[:1]), (coarse().outer_ring, springs[1:2])
+    return min(longest(*dense(*each), mass) for each in bodies)
 
 
 @LONG
@@ -127,8 +113,8 @@ def test_all_shorter_steps_are_stable(load, mass):
     """dt² ω² of slowed waves on springs rises with the step, and then may fall."""
     springs, found = springs_of(load, True), critical_time_step(coarse(), load, mass=mass)
     assert found > 0.0 or load > LOAD, "not worth it"
-    for dense in (dense_disc(coarse().roller, springs), dense_ring(coarse().outer_ring, springs[1])):
-        largest, _ = squares_of_steps(*dense, mass)
+    for each in ((coarse().roller, springs), (coarse().outer_ring, springs[1:2])):
+        largest, _ = squares_of_steps(*dense(*each), mass)
         for dt in found * np.array([0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0]):
             assert largest(dt) <= 4.0 + 1e-6
 
@@ -157,44 +143,29 @@ def test_contacts_and_finer_meshes_lower_it():
     assert finer < 1e-3 / STEEL.dilatational_wave_speed
 
 
-def leapfrog_disc(body, dt, n_steps, mass):
-    """Largest displacement, relative to the first, after free leapfrog steps."""
-    columns, slowing, nodes = 16, mass.at(dt), disc_nodes(body, dt, 16)
-    nodes = nodes if mass.calming else nodes._replace(calmed=nodes.w)
-    u = np.zeros((body.n_nodes, 2, columns))
-    u[:, :, 0] = np.random.default_rng(1).standard_normal((body.n_nodes, 2))
-    nodes.u[:] = u.ravel()
-    still, torque = np.zeros(columns), np.zeros(columns)
-    turns = discs.Turns(still, np.ones(columns), still, still, still)
+def leapfrog(body, dt, n_steps, mass):
+    """Largest displacement, relative to the first, after free steps."""
+    rng = np.random.default_rng(1)
+    if isinstance(body, RingBody):
+        u, _, step = compiled.ring_steps(body, dt, mass)
+        u[body.free_rows, :, HALO:-HALO] = rng.standard_normal((len(body.free_rows), 2, body.n_sectors))
+        compiled.wrap_all(u)
+    else:
+        nodes, step = compiled.disc_steps(body, dt, mass)
+        u = nodes.u
+        u.reshape(body.n_nodes, 2, -1)[:, :, 0] = rng.standard_normal((body.n_nodes, 2))
+    start = np.abs(u).max()
     for _ in range(n_steps):
-        compiled.kick_disc(nodes, nodes.w, columns, torque)
-        compiled.slow_disc(nodes, turns.cosine, columns, slowing.waves, slowing.velocities / dt, dt, torque)
-        compiled.drift_disc(nodes, turns, columns, dt, torque)
-    return np.abs(nodes.u).max() / np.abs(u).max()
-
-
-def leapfrog_ring(body, dt, n_steps, mass):
-    table = -dt * rings.coefficients(body.stencil) / body.row_mass[:, None]
-    first, last = (1, body.n_rows) if body.held_row == 0 else (0, body.n_rows - 1)
-    u = np.zeros((body.n_rows, 2, body.n_sectors + 2 * HALO))
-    u[first:last, :, HALO:-HALO] = np.random.default_rng(2).standard_normal((last - first, 2, body.n_sectors))
-    compiled.wrap_all(u)
-    w, start = np.zeros_like(u), np.abs(u).max()
-    for _ in range(n_steps):
-        compiled.kick_ring(table, u, w, None, first, last)
-        compiled.wrap_all(w)
-        compiled.move_slowed_ring(table, u, w, mass, dt, (first, last), body.raceway_row)
+        step()
     return np.abs(u).max() / start
 
 
 @LONG
-@pytest.mark.parametrize(("make", "leapfrog", "dense"), [
-    (lambda: disc(0.005, 3), leapfrog_disc, dense_disc),
-    (lambda: ring(0.0125, 0.018, 56, 3, True), leapfrog_ring, dense_ring),
-    (lambda: ring(0.028, 0.0325, 88, 2, False), leapfrog_ring, dense_ring),
+@pytest.mark.parametrize(("make", "size"), [
+    (disc, (0.005, 3)), (ring, (0.0125, 0.018, 56, 3, True)), (ring, (0.028, 0.0325, 88, 2, False)),
 ], ids=["roller", "inner ring", "outer ring"])  # fmt: skip
-def test_leapfrog_is_stable_just_below_it_and_blows_up_just_above(make, leapfrog, dense, mass):
-    body, times = make(), 1.03
+def test_leapfrog_is_stable_just_below_it_and_blows_up_just_above(make, size, mass):
+    body, times = make(*size), 1.03
     limit = longest(*dense(body), mass)
     # dt² ω² of a step is z q(z) with z = (ω dt)², at most 3.5: at any number of steps a mode is amplified at most
     # 1/sqrt(1 − 3.5/4) = 2.8 times, the second degree's fastest 1/sqrt(1 − 0.98²) = 5 times

@@ -12,6 +12,7 @@ from fem.interface import simulate
 from fem.kernels.columns import INNER, OUTER, ROLLER
 from fem.kernels.elements.friction import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.elements.rings import HALO
+from fem.kernels.fields import filled
 from fem.kernels.jit import OPTIONS
 from fem.kernels.mounts import Shaft, conclude, kick_shaft, late_mass, push_mounted, settle
 from lagrange.scene.scene import parse_scene
@@ -24,7 +25,6 @@ from tests.verification.runs import plan_of, record
 
 
 def across(state):
-    """Unit vectors along the contacts' tangents, (kind, 13, 2)."""
     normal = np.moveaxis(state.contacts.patches.normal[:, :, :13], 1, 2)
     return np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
 
@@ -90,17 +90,15 @@ def test_slip_is_the_sideways_speed_of_the_material():
 
 @pytest.mark.parametrize("sprung", [False, True], ids=["solved", "springs"])
 def test_tractions_are_on_carters_curve_at_the_creep_they_leave_and_take_what_bodies_lose(sprung):
-    state = compiled.stretched_state() if sprung else compiled.without_springs(compiled.rubbing_state())
+    state = compiled.stretched_state() if sprung else compiled.with_friction(compiled.rubbing_state(), shear=None)
     rubbed, before, after, taken = rub(state)
     contacts, rollers = rubbed.contacts, rubbed.bodies.rollers
-    tractions, closed = contacts.friction.traction, contacts.forces.force > 0.0
+    tractions, closed, normals = contacts.friction.traction, contacts.forces.force > 0.0, contacts.patches.normal
     creep = contacts.friction.shear.creep if sprung else after
     laws, pitch = [pair.law for group in rubbed.groups for pair in group], 0.028 - 0.005
     assert closed.sum() > 8 and np.all(tractions[~closed] == 0.0)
     for kind, j in np.argwhere(closed):
-        Q, traction, n, rolling = (
-            contacts.forces.force[kind, j], tractions[kind, j], contacts.patches.normal[kind, :, j], 0.0,
-        )  # fmt: skip
+        Q, traction, n, rolling = contacts.forces.force[kind, j], tractions[kind, j], normals[kind, :, j], 0.0
         if kind != ROLLER:
             orbit = (rollers.velocity[1, j] * n[0] - rollers.velocity[0, j] * n[1]) / pitch
             rolling = abs(rollers.spin[j] - orbit) * rollers.radius
@@ -115,7 +113,6 @@ def test_tractions_are_on_carters_curve_at_the_creep_they_leave_and_take_what_bo
 
 
 def test_normal_impulses_given_with_the_tractions_do_what_they_do_given_before():
-    """Rollers 3 and 4 touch."""
     first = compiled.pressed_state(3, 1e-3)
     first.contacts.friction.shear.stretch[:] = 1e-9
     assert first.contacts.forces.kick[ROLLER, 3] > 0.0
@@ -124,18 +121,18 @@ def test_normal_impulses_given_with_the_tractions_do_what_they_do_given_before()
     compiled.push_surfaces(first)
     apart = compiled.rub_contacts(compiled.with_friction(first, whole=True))
     assert compiled.rub_contacts(together) == pytest.approx(apart, rel=1e-12)
-    for wanted, found in zip(*((
-        state.bodies.disc.w, state.bodies.inner.w[:, :, HALO:-HALO], state.bodies.outer.w[:, :, HALO:-HALO],
-        state.bodies.rollers.node_impulse, state.contacts.friction.traction, state.drive.moment,
-    ) for state in (first, together)), strict=True):  # fmt: skip
-        assert np.any(wanted)
-        within(found, wanted, 1e-12 * np.abs(wanted).max())
+    for what in (
+        lambda state: state.bodies.disc.w, lambda state: state.bodies.inner.w[:, :, HALO:-HALO],
+        lambda state: state.bodies.outer.w[:, :, HALO:-HALO], lambda state: state.bodies.rollers.node_impulse,
+        lambda state: state.contacts.friction.traction, lambda state: state.drive.moment,
+    ):  # fmt: skip
+        within(what(together), what(first), 1e-12 * np.abs(what(first)).max())
 
 
 @pytest.mark.slow  # compiles a loop
 def test_a_coarse_rollers_contacts_are_solved_in_turn_only_while_rollers_touch():
     def tractions(touching, overlapping):
-        state = compiled.without_springs(compiled.rubbing_state(mesh_size=2e-3))
+        state = compiled.with_friction(compiled.rubbing_state(mesh_size=2e-3), shear=None)
         bodies, forces = state.bodies, state.contacts.forces.force
         assert np.any(forces[ROLLER] > 0.0)
         for slow in (bodies.disc.w, bodies.rollers.velocity, bodies.rollers.spin, bodies.outer.w):
@@ -154,9 +151,8 @@ def test_friction_is_action_and_reaction_with_the_raceways_arm():
     rubbed, *_ = rub(state)
     closed = rubbed.contacts.forces.force[:, :13] > 0.0
     traction = rubbed.contacts.friction.traction[:, :13] * closed
-    push, scale, impulse = (
-        traction[..., None] * across(rubbed), np.abs(traction).sum(), rubbed.bodies.rollers.node_impulse,
-    )  # fmt: skip
+    push, scale = traction[..., None] * across(rubbed), np.abs(traction).sum()
+    impulse = rubbed.bodies.rollers.node_impulse
     wanted = push[INNER] + push[OUTER] + np.roll(push[ROLLER], 1, axis=0) - push[ROLLER]
     within(impulse[:, :13].T / DT, wanted, 1e-12 * scale)
     gained = copies(rubbed)
@@ -231,29 +227,26 @@ LATE_MASS = late_mass(MASS, DAMPING, STEP)
 
 @njit(**OPTIONS)
 def shake(shaft, first, later, how):
-    """A kick by forces, the shaft's, and forces found later."""
     for k in range(2):
         shaft.velocity[k] += STEP / MASS * first[k]
     kick_shaft(shaft, STEP, shaft.place[0], shaft.place[1])
     if how == ASKING:
         push_mounted(shaft, shaft.velocity, MASS, later[0], later[1], STEP)
-    else:
-        for k in range(2):
-            shaft.velocity[k] += STEP / (MASS if how == UNKNOWING else LATE_MASS) * later[k]
+        return
+    for k in range(2):
+        shaft.velocity[k] += STEP / (MASS if how == UNKNOWING else LATE_MASS) * later[k]
     if how == UNKNOWING:
         settle(shaft, STEP)
-    elif how == HEAVIER:
+    else:
         conclude(shaft)
 
 
-@pytest.mark.parametrize("how", [ASKING, UNKNOWING, HEAVIER])
+@pytest.mark.parametrize("how", [ASKING, UNKNOWING, HEAVIER], ids=["asking", "unknowing", "heavier"])
 def test_the_dashpots_force_is_that_of_the_mean_of_the_velocities_before_and_after_all_forces(how):
     """M (v₁ − v₀)/dt = F − k x − ½ c (v₀ + v₁), solved by hand."""
     v0, place, half = np.array([0.02, -0.03]), np.array([3e-6, -5e-6]), 0.5 * DAMPING
-    shaft = Shaft(
-        place=place, velocity=v0.copy(), before=v0.copy(), drag=np.zeros(2), stored=np.zeros(1),
-        slowed=np.zeros((2, 2)), dissipated=np.zeros(1), mass=MASS, stiffness=STIFFNESS, damping=DAMPING, column=0,
-    )  # fmt: skip
+    how_held = {"mass": MASS, "stiffness": STIFFNESS, "damping": DAMPING, "column": 0}
+    shaft = filled(Shaft, {}, place=place, velocity=v0.copy(), before=v0.copy(), slowed=np.zeros((2, 2)), **how_held)
     shake(shaft, FIRST, LATER, how)
     wanted = ((MASS / STEP - half) * v0 + FIRST + LATER - STIFFNESS * place) / (MASS / STEP + half)
     assert_allclose(shaft.velocity, wanted, rtol=1e-13)

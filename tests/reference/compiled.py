@@ -12,7 +12,7 @@ from fem.kernels.elements import discs, friction, loop, rings, samples
 from fem.kernels.elements.rings import HALO
 from fem.kernels.jit import kernel
 from fem.kernels.lanes import splat
-from fem.solver.elements.arrays import Arrays
+from fem.solver.elements.arrays import Arrays, disc_nodes
 from fem.solver.rigid.lagrangian import LagrangianPlan
 from fem.solver.rigid.state import LagrangianState
 from fem.solver.solver import Block, Plan, RunState, Samples, sample_count
@@ -37,7 +37,6 @@ kinetic_energy, elastic_energy = kernel(samples.kinetic_energy), kernel(samples.
 
 
 def of_state(function):
-    """A kernel that takes groups, bodies, contacts and drive of a state, and more."""
     run = kernel(function)
     return lambda state, *more: run(state.groups, state.bodies, state.contacts, state.drive, *more)
 
@@ -77,7 +76,6 @@ def contact_energy(state: Arrays) -> float:
 
 @kernel
 def drift(bodies, groups, contacts, drive, scratch):
-    """`fem.kernels.elements.loop.slide` and `drift`; the work that friction takes, J."""
     taken = loop.slide(bodies, groups, contacts, drive, scratch)
     loop.drift(bodies, drive, scratch)
     return taken
@@ -94,14 +92,35 @@ def follow_slips(shear, forces, of_contacts, dt, n):
     friction.follow_slips_before(shear, of_contacts, n)
 
 
-def move_slowed_ring(table: np.ndarray, u: np.ndarray, w: np.ndarray, mass: ReciprocalMass, dt: float, rows, raceway):
-    """Move a ring that does not turn in a long step; `table` : −dt·M⁻¹K. Halos of w must repeat its ends."""
-    slowing, v, calmed = mass.at(dt), np.zeros_like(w), w
-    if mass.calming:
-        calmed = np.zeros_like(w)
-        calm_ring(slowing.velocities / dt * table, w, calmed, np.zeros(len(w)), 0.0, *rows)
-    find_velocities(slowing.waves * table, calmed, w, v, dt, raceway)
-    drift_slowed_ring(slowing.waves * table, (u, w, v), calmed, dt, (*rows, raceway))
+def disc_steps(body, dt: float, mass: ReciprocalMass):
+    """Nodes of sixteen discs that do not turn, and what moves them by a step."""
+    nodes, slowing, still, torque = disc_nodes(body, dt, 16), mass.at(dt), np.zeros(16), np.zeros(16)
+    nodes = nodes if mass.calming else nodes._replace(calmed=nodes.w)
+    turns = discs.Turns(still, np.ones(16), still, still, still)
+
+    def step():
+        kick_disc(nodes, nodes.w, 16, torque)
+        slow_disc(nodes, turns.cosine, 16, slowing.waves, slowing.velocities / dt, dt, torque)
+        drift_disc(nodes, turns, 16, dt, torque)
+
+    return nodes, step
+
+
+def ring_steps(body, dt: float, mass: ReciprocalMass):
+    """u and w of a held ring that does not turn, with halos, and what moves them by a step."""
+    table, slowing = -dt * rings.coefficients(body.stencil) / body.row_mass[:, None], mass.at(dt)
+    u, w, v, calmed = np.zeros((4, body.n_rows, 2, body.n_sectors + 2 * HALO))
+    calmed, rows = calmed if mass.calming else w, (int(body.free_rows[0]), int(body.free_rows[-1]) + 1)
+
+    def step():
+        kick_ring(table, u, w, None, *rows)
+        wrap_all(w)
+        if mass.calming:
+            calm_ring(slowing.velocities / dt * table, w, calmed, np.zeros(len(w)), 0.0, *rows)
+        find_velocities(slowing.waves * table, calmed, w, v, dt, body.raceway_row)
+        drift_slowed_ring(slowing.waves * table, (u, w, v), calmed, dt, (*rows, body.raceway_row))
+
+    return u, w, step
 
 
 # ---- Compiled runs of the Lagrangian model, and their judge, `forward_motion`, which shares no step with them.
@@ -168,7 +187,6 @@ def compiled(problem: Problem, count: int, interval: float = 1e-5, time_step: fl
 
 
 def solved(problem: Problem, duration: float, interval: float) -> SimpleNamespace:
-    """As `tests.reference.forward_motion`, by compiled steps: for long motions."""
     return compiled(problem, int(duration / interval + 1e-9) + 1, interval)
 
 
@@ -197,7 +215,6 @@ def set_turns(state, roller_turn, ring_turn):
 
 
 def roller_field(state, flat):
-    """(n_nodes, 2, n) view of a flat roller array."""
     return flat.reshape(state.bodies.disc.mass.size, 2, state.bodies.rollers.columns)[:, :, : state.bodies.rollers.n]
 
 
@@ -232,7 +249,6 @@ def shake(state, rng, name, size):
 
 
 def press(state):
-    """Normal forces at a copy of a state with all velocities and impulses cleared."""
     state = copies(state)
     bodies, rollers, drive = state.bodies, state.bodies.rollers, state.drive
     for entry in (
@@ -246,7 +262,6 @@ def press(state):
 
 
 def cartesian_resultant(ring, c=1.0, s=0.0):
-    """Momentum of a ring's velocities, N s, fixed axes."""
     w = ring.w[:, :, HALO:-HALO] * ring.row_mass[:, None, None]
     cosine, sine = ring.cosines[HALO:-HALO], ring.sines[HALO:-HALO]
     x, y = np.sum(w[:, 0] * cosine - w[:, 1] * sine), np.sum(w[:, 0] * sine + w[:, 1] * cosine)
@@ -254,7 +269,6 @@ def cartesian_resultant(ring, c=1.0, s=0.0):
 
 
 def roller_resultants(state):
-    """Momentum of each roller's nodal velocities, (n, 2), fixed axes."""
     rollers, n = state.bodies.rollers, state.bodies.rollers.n
     x, y = np.sum(roller_field(state, state.bodies.disc.w) * state.bodies.disc.mass[:, None, None], axis=0)
     c, s = rollers.cosine[:n], rollers.sine[:n]
@@ -288,10 +302,6 @@ def pressed_state(seed, mesh_size):
 
 def with_friction(state, **changes):
     return replace(state, contacts=state.contacts._replace(friction=state.contacts.friction._replace(**changes)))
-
-
-def without_springs(state):
-    return with_friction(state, shear=None)
 
 
 def rub(state):
@@ -358,10 +368,10 @@ class ToyState(RunState):
         for _ in range(most):
             rows.append(self.phase)
             self.phase = np.array([[c, -s], [s, c]]) @ self.phase
-        values = {
-            name: np.zeros(most if dimensions == PER_TIME else (most, n))
-            for name, (dimensions, *_) in columns_of("").items()
+        sizes = {
+            name: most if dimensions == PER_TIME else (most, n) for name, (dimensions, *_) in columns_of("").items()
         }
+        values = {name: np.zeros(size) for name, size in sizes.items()}
         values["time"] = self.plan.interval * np.arange(self.done, self.done + most)
         values["inner_x"], values["inner_y"] = np.array(rows).T
         self.done += most

@@ -243,78 +243,66 @@ def damp_once(bodies, drive, damping):
     damp_bodies(bodies, drive, damping)
 
 
-class Outer:
-    """The outer ring of a bearing's arrays, in fixed axes, vectors as complex numbers."""
+def outer_ring(support):
+    """Arrays with a damped outer ring, its nodes' masses, directions outwards, and a field of it in fixed axes."""
+    tables = {"support": support, "damping": {"bodies_1_s": RATE}, "numerics": COARSE}
+    arrays = make_plan(parse_scene(tables, "")).arrays()
+    ring = arrays.bodies.outer
+    rows, nodes = slice(ring.first_row, ring.last_row), slice(HALO, HALO + ring.n_sectors)
+    outward = (ring.cosines + 1j * ring.sines)[nodes]
 
-    def __init__(self, support):
-        tables = {"support": support, "damping": {"bodies_1_s": RATE}, "numerics": COARSE}
-        self.arrays = make_plan(parse_scene(tables, "")).arrays()
-        self.ring = ring = self.arrays.bodies.outer
-        self.rows, self.nodes = slice(ring.first_row, ring.last_row), slice(HALO, HALO + ring.n_sectors)
-        self.outward = (ring.cosines + 1j * ring.sines)[self.nodes]
-        self.mass = np.broadcast_to(ring.row_mass[self.rows, None], self.place.shape)
+    def seen(polar):
+        return (polar[rows, 0, nodes] + 1j * polar[rows, 1, nodes]) * outward
 
-    def cartesian(self, polar):
-        return (polar[self.rows, 0, self.nodes] + 1j * polar[self.rows, 1, self.nodes]) * self.outward
+    def move(velocity):
+        polar = velocity * np.conj(outward)
+        ring.w[rows, 0, nodes], ring.w[rows, 1, nodes] = polar.real, polar.imag
 
-    @property
-    def place(self):
-        """Of the nodes, m, half a step back, where velocities are."""
-        polar = self.ring.u - 0.5 * self.arrays.drive.dt * self.ring.w
-        polar[:, 0] += self.ring.radii[:, None]
-        return self.cartesian(polar)
+    def place():
+        """m, half a step back, where velocities are."""
+        polar = ring.u - 0.5 * arrays.drive.dt * ring.w
+        polar[:, 0] += ring.radii[:, None]
+        return seen(polar)
 
-    @property
-    def velocity(self):
-        return self.cartesian(self.ring.w)
+    def damp():
+        damp_once(arrays.bodies, arrays.drive, arrays.bodies.damping)
+        return seen(ring.w)
 
-    @velocity.setter
-    def velocity(self, velocity):
-        polar = velocity * np.conj(self.outward)
-        self.ring.w[self.rows, 0, self.nodes], self.ring.w[self.rows, 1, self.nodes] = polar.real, polar.imag
-
-    def damp(self):
-        damp_once(self.arrays.bodies, self.arrays.drive, self.arrays.bodies.damping)
-
-    @property
-    def momentum(self):
-        """And the angular one about the origin."""
-        return np.sum(self.mass * self.velocity), np.sum(self.mass * (np.conj(self.place) * self.velocity).imag)
-
-    @property
-    def shaken(self):
-        """Velocities of its nodes in no order, m/s."""
-        real, imaginary = np.random.default_rng(3).standard_normal((2, *self.mass.shape))
-        return 0.1 * (real + 1j * imaginary)
+    mass = np.broadcast_to(ring.row_mass[rows, None], place().shape)
+    real, imaginary = np.random.default_rng(3).standard_normal((2, *mass.shape))
+    return arrays, mass, place, move, damp, 0.1 * (real + 1j * imaginary)
 
 
 def test_a_ring_goes_with_its_housing_undamped_and_gives_it_what_its_own_motion_loses():
-    outer = Outer(HELD)
-    (housing,) = (body for body in outer.arrays.bodies.others if isinstance(body, Housing))
+    arrays, mass, _, move, damp, shaken = outer_ring(HELD)
+    (housing,) = (body for body in arrays.bodies.others if isinstance(body, Housing))
     housing.velocity[:] = 0.3, -0.2
-    whole = np.full(outer.mass.shape, 0.3 - 0.2j)
-    outer.velocity = whole
-    outer.damp()
-    assert_allclose(outer.velocity, whole, rtol=1e-13)
+    whole = np.full(mass.shape, 0.3 - 0.2j)
+    move(whole)
+    assert_allclose(damp(), whole, rtol=1e-13)
     assert_allclose(housing.impulse, 0.0, atol=1e-15)
-    outer.velocity = whole + outer.shaken
-    outer.damp()
-    assert_allclose(outer.velocity, whole + outer.shaken * np.exp(-RATE * outer.arrays.drive.dt), rtol=1e-12)
-    given = np.sum(outer.mass * (whole + outer.shaken - outer.velocity))
+    move(whole + shaken)
+    left = damp()
+    assert_allclose(left, whole + shaken * np.exp(-RATE * arrays.drive.dt), rtol=1e-12)
+    given = np.sum(mass * (whole + shaken - left))
     assert_allclose(housing.impulse, [given.real, given.imag], rtol=1e-9)
 
 
 def test_a_ring_in_play_keeps_its_momentum_and_its_turning():
-    outer = Outer(IN_PLAY)
+    _, mass, place, move, damp, shaken = outer_ring(IN_PLAY)
     for _ in range(3):  # places half a step back follow the velocities
-        outer.velocity = whole = 0.3 - 0.2j + 40j * outer.place
-    outer.damp()
-    assert_allclose(outer.velocity, whole, rtol=1e-12)
-    outer.velocity = whole + outer.shaken
-    before, lost = outer.momentum, outer.velocity
-    outer.damp()
-    assert np.abs(outer.velocity - lost).max() > 1e-5
-    assert_allclose(outer.momentum, before, rtol=1e-7)  # places half a step back move with the velocities
+        whole = 0.3 - 0.2j + 40j * place()
+        move(whole)
+    assert_allclose(damp(), whole, rtol=1e-12)
+
+    def momenta(velocity):
+        return np.sum(mass * velocity), np.sum(mass * (np.conj(place()) * velocity).imag)
+
+    move(whole + shaken)
+    before = momenta(whole + shaken)
+    after = damp()
+    assert np.abs(after - whole - shaken).max() > 1e-5
+    assert_allclose(momenta(after), before, rtol=1e-7)  # places half a step back move with the velocities
 
 
 def test_a_housing_rings_down_as_if_bodies_were_not_damped():

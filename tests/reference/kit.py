@@ -41,7 +41,6 @@ from lagrange.columns import columns_of
 from lagrange.contact.laws import contact_laws
 from lagrange.files.hdf5 import CHECKSUM, SCENE_CHECKSUM, SIGNATURE
 from lagrange.kinematics import kinematics
-from lagrange.motion import State
 from lagrange.mounting import ENERGIES
 from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
 from lagrange.surface.faults import Spall, UnequalRoller, Waviness
@@ -182,14 +181,6 @@ def wavy():
         Waviness(body="roller", roller=1, order=4, amplitude=0.3e-6, phase=0.0),
         UnequalRoller(roller=3, diameter_deviation=1e-6),
     )
-
-
-def state_of(run) -> State:
-    """Generalised coordinates of a trajectory whose outer ring stands still."""
-    return State(
-        x=run.inner_x, y=run.inner_y, rho=run.roller_rho, theta=run.roller_theta,
-        x_rate=run.inner_vx, y_rate=run.inner_vy, rho_rate=run.roller_rho_rate, theta_rate=run.roller_theta_rate,
-    )  # fmt: skip
 
 
 def stiffness_without_load(bearing: Bearing, operation: Operation, laws: ContactLaws, push: float) -> float:

@@ -107,15 +107,7 @@ def kept(tmp_path, monkeypatch):
     return path
 
 
-def test_the_median_of_the_last_runs_counts(kept):
-    assert compiling.pace("fem") == 1.0
-    for took in (30.0, 2.0, 2.2, 1.8, 2.0, 40.0):
-        compiling.remember("fem", 1.0 * compiling.pace("fem"), took)
-    assert compiling.pace("fem") == pytest.approx(2.0)  # of 2, 2.2, 1.8, 2 and 40
-    assert compiling.pace("reduced") == 1.0
-
-
-def test_what_tells_nothing_of_the_machine_is_not_kept_and_a_damaged_file_is_replaced(kept):
+def test_the_median_of_the_last_runs_that_tell_of_the_machine_counts_and_a_damaged_file_is_replaced(kept, monkeypatch):
     for expected, took in ((1.0, 0.001), (0.0, 5.0), (1.0, 1e6), (1e6, 1.0)):
         compiling.remember("fem", expected, took)
         assert not kept.exists(), (expected, took)
@@ -124,13 +116,13 @@ def test_what_tells_nothing_of_the_machine_is_not_kept_and_a_damaged_file_is_rep
         assert compiling.pace("fem") == 1.0, text
         compiling.remember("fem", 1.0, 3.0)
         assert compiling.pace("fem") == 3.0, text
-
-
-def test_a_folder_that_can_not_be_made_is_no_failure(tmp_path, monkeypatch):
-    (tmp_path / "file").touch()
-    monkeypatch.setattr("fem.solver.compiling.pace_file", lambda: tmp_path / "file" / "pace.json")
+    for took in (30.0, 2.0, 2.2, 1.8, 2.0, 40.0):
+        compiling.remember("reduced", 1.0 * compiling.pace("reduced"), took)
+    assert compiling.pace("reduced") == pytest.approx(2.0)  # of 2, 2.2, 1.8, 2 and 40
+    assert compiling.pace("fem") == 3.0
+    monkeypatch.setattr("fem.solver.compiling.pace_file", lambda: kept / "pace.json")
     compiling.remember("fem", 1.0, 3.0)
-    assert compiling.pace("fem") == 1.0
+    assert compiling.pace("fem") == 1.0, "a folder that can not be made"
 
 
 @pytest.mark.parametrize("model", SOLVERS)
@@ -159,29 +151,19 @@ def test_a_run_is_remembered_and_the_next_plan_says_so(kept, tmp_path, capsys, m
     assert f"about {took:.2g} s" in told and "timed here" not in told
 
 
-SHORT = ["--model", "reduced", "--duration", "2", "--dry-run"]
-
-
 @needs_compiler
-def test_a_piece_of_a_compiled_run_tells_how_long_it_takes(kept, capsys, monkeypatch):
-    plan = plan_of("model=reduced", "numerics.duration_ms=2")
+def test_a_piece_of_a_compiled_run_tells_how_long_it_and_its_compilation_take(kept, capsys, monkeypatch):
+    plan, short = plan_of("model=reduced", "numerics.duration_ms=2"), "--model reduced --duration 2 --dry-run".split()
     plan.prepare()
     monkeypatch.setattr("time.thread_time", iter(range(0, 1000)).__next__)  # one second a block, here of a sample
     assert seconds_by_trial(plan) == plan.n_samples - 1 == 200
-    assert run_main(SHORT) == 0
-    assert "about 2e+02 s (measured on a short piece)" in capsys.readouterr().out
+    assert run_main(short) == 0
+    told = capsys.readouterr().out
+    assert "about 2e+02 s (measured on a short piece)" in told and re.search(r"compilation: +none", told)
     # one without steps or with samples that take long is not tried
     long = "numerics.mesh_size_mm=2", "numerics.output_interval_us=1e6", "numerics.duration_ms=1e6"
     for settings in (("model=reduced", "numerics.duration_ms=0"), long):
         assert seconds_by_trial(plan_of(*settings)) is None
-
-
-@needs_compiler
-def test_a_dry_run_says_whether_and_how_long_the_run_will_compile(kept, capsys, monkeypatch):
-    plan = plan_of("model=reduced", "numerics.duration_ms=2")
-    plan.prepare()
-    run_main(SHORT)
-    assert re.search(r"compilation: +none", capsys.readouterr().out)
     new, take_steps = numba.njit(lambda x: x), type(plan.first_state()).take_steps
 
     def compiles(state, count):  # a part of the time loop that no cache holds
@@ -189,7 +171,7 @@ def test_a_dry_run_says_whether_and_how_long_the_run_will_compile(kept, capsys, 
         return take_steps(state, count)
 
     monkeypatch.setattr(type(plan.first_state()), "take_steps", compiles)
-    run_main(SHORT)
+    run_main(short)
     told = capsys.readouterr().out
     assert re.search(rf"compilation: +about {plan.compiling_seconds:.2g} s, perhaps three times that", told)
     assert seconds_by_trial(plan) is None and not new.signatures  # a dry run compiles nothing

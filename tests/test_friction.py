@@ -258,10 +258,8 @@ def test_contact_dampers_and_a_shaft_s_dashpots_leave_a_light_hub_in_balance():
     """What the run's own forces leave of its equations; 0.3 % of the largest where dashpots knew no later forces."""
     found = simulate(parse_scene({
         "model": "reduced", "damping": {"contact_time_us": 25.0},
-        "operation": {
-            "inner_ring_and_shaft_kg": 0.05, "shaft": "springs", "shaft_stiffness_N_per_m": 1e7,
-            "shaft_damping_N_s_m": 2e4, "rotating_load_N": 300.0,
-        },
+        "operation": {"inner_ring_and_shaft_kg": 0.05, "shaft": "springs", "shaft_stiffness_N_per_m": 1e7,
+                      "shaft_damping_N_s_m": 2e4, "rotating_load_N": 300.0},
         "numerics": {"duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.05, "output_interval_us": 2.0},
     }, ""))  # fmt: skip
     largest = np.max(found["inner_force"])

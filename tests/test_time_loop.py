@@ -1,9 +1,9 @@
 """The time loop of a whole bearing: balances, order in dt, reproducibility; rigid bodies; parts; the calibrated law."""
 
 import importlib
+from collections import namedtuple
 from dataclasses import replace
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -396,19 +396,8 @@ def test_random_bearings_stay_stable(names):
 # Parts of kernels are compiled for the fields that they use, whatever else their arguments hold
 
 
-class Wheel(NamedTuple):
-    speed: np.ndarray
-    radius: float
-
-
-class Brake(NamedTuple):
-    force: float
-
-
-class Car(NamedTuple):
-    wheel: Wheel
-    brake: Brake | None
-    load: np.ndarray | None = None
+Wheel, Brake = namedtuple("Wheel", "speed radius"), namedtuple("Brake", "force")
+Car = namedtuple("Car", "wheel brake load")
 
 
 @part
@@ -498,7 +487,7 @@ def test_a_question_that_the_reader_of_fields_does_not_see_is_no_silent_no(not_k
 
     is_free = part(lambda car: car.brake is None)
     with pytest.raises(TypeError, match="fields_used does not see"):
-        kernel(lambda car: is_free(car))(Car(Wheel(np.zeros(1), 0.5), None))
+        kernel(lambda car: is_free(car))(Car(Wheel(np.zeros(1), 0.5), None, None))
 
 
 # The contact law below the grid: finite elements plus law give the exact approach wherever the contact sits

@@ -49,10 +49,8 @@ def critical_time_step(
     bodies = [(body.shape, body.material) for body in (model.roller, model.inner_ring, model.outer_ring)]
     perfect = replace(model.bearing, faults=())  # what surfaces lack makes no contact stiffer
     housing, shaft, ring = mounting.housing, mounting.shaft, model.outer_ring
-    of_mount = further + max(
-        0.0 if housing is None else housing.stiffness / housing.mass,
-        0.0 if shaft is None else shaft.stiffness / hub_mass,
-    )
+    of_shaft = 0.0 if shaft is None else shaft.stiffness / hub_mass
+    of_mount = further + max(0.0 if housing is None else housing.stiffness / housing.mass, of_shaft)
     # one held at points counts as free
     outside = ring.stiffness if isinstance(ring, BoredRing) else isinstance(ring, LooseRing)
     carried = housing, shaft, None if shaft is None else hub_mass, further, outside

@@ -80,9 +80,7 @@ patches = partial(_shares, first=first_node(0), weigh=weights)  # of the patches
 hats = partial(_shares, first=0, weigh=lambda beyond: (1.0 - beyond, beyond))  # of the two nodes beside each instead
 
 
-def push(
-    body: DiscBody | RingBody, angle: np.ndarray, size: np.ndarray | float, shares: Shares
-) -> tuple[np.ndarray, np.ndarray]:
+def push(body: DiscBody | RingBody, angle: np.ndarray, size, shares: Shares) -> tuple[np.ndarray, np.ndarray]:
     """Surface nodes and their forces under forces along the outward radius at angles: (m,), (2 m, n_angles).
 
     Polar of a ring, x and y of a disc.

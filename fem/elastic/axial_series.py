@@ -89,7 +89,7 @@ def harmonic_compliance(body: Section, n: np.ndarray, k: float) -> np.ndarray:
     displacement, alone = np.empty(n.shape), np.ones(n.shape, dtype=bool)
     if body.held:
         alone = np.abs(_log_size(n, k * R, decay) - _log_size(n, k * body.held, decay)) > DECOUPLED
-    pushed = np.array([-1.0, 0.0, 0.0]).reshape(1, 3, 1)  # σ_rr, σ_rθ, σ_rz
+    pushed = np.array([-1.0, 0.0, 0.0])[None, :, None]  # σ_rr, σ_rθ, σ_rz
     weights = np.linalg.solve(free[alone][:, 3:], pushed)
     displacement[alone] = (free[alone][:, :1] @ weights)[:, 0, 0]
     if not alone.all():

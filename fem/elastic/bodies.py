@@ -416,7 +416,6 @@ def _sector_stencil(stiffness, rows: int, sectors: int, sector: int) -> np.ndarr
 
 def rigid_body(body: DiscBody | RingBody) -> DiscBody | RingBody:
     """The rigid body of an elastic one's shape and mass: a ring moves as its held circle does."""
-    material = replace(body.material, rigid=True)
-    if isinstance(body, DiscBody):
-        return replace(body, material=material, stiffness=sparse.csr_matrix(body.stiffness.shape))
-    return replace(body, material=material, stencil=0.0 * body.stencil)
+    ring = isinstance(body, RingBody)
+    none = {"stencil": 0.0 * body.stencil} if ring else {"stiffness": sparse.csr_matrix(body.stiffness.shape)}
+    return replace(body, material=replace(body.material, rigid=True), **none)

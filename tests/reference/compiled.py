@@ -132,8 +132,6 @@ FLOORS = {"inner_vy": 1e-7, "inner_ay": 0.5, "housing_ay": 0.5, "sensor_ay": 0.5
 
 
 class Motion:
-    """A problem's motion under way."""
-
     def __init__(self, problem: Problem, interval: float = 1e-5, time_step: float | None = None):
         step = longest_step(problem) if time_step is None else time_step
         tilted = () if problem.axial is None else ("axial", *(("damping of tilt",) if problem.damping.acts else ()))

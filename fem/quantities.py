@@ -227,6 +227,6 @@ def largest_loads(bearing: Bearing, inner: float, outer: float, *, tilts: bool =
     for (raceway, force), pair in zip(sides, contact_pairs(bearing), strict=False):
         of_ball = ball_pressure(bearing, raceway, force) if isinstance(bearing, BallBearing) else None
         pressure = pair.peak_pressure(force) if of_ball is None else of_ball
-        told = "" if tilts else f" ({1e-6 * pressure:.0f} MPa)"
-        parts.append(f"{force:.1f} N{told} at the {raceway} raceway")
+        peak = "" if tilts else f" ({1e-6 * pressure:.0f} MPa)"
+        parts.append(f"{force:.1f} N{peak} at the {raceway} raceway")
     return ", ".join(parts)

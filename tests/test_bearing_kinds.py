@@ -158,11 +158,8 @@ def test_radial_parts_of_all_rows_carry_load_and_weight(model):
 
 
 def test_ratings_of_a_contact_angle_and_of_two_rows():
-    """Two rows: half the load each, the same forces; twice the stiffness; ratings by i^(7/9) and i.
-
-    ISO 281 and ISO 76 with γ = D cos α/D_pw and (i L cos α)^(7/9); stresses and films know bodies' curvatures. Harris,
-    table 7.4: F_r tan α/F_a = 0.7939 of rollers whose half is loaded.
-    """
+    """ISO 281 and ISO 76 with γ = D cos α/D_pw and (i L cos α)^(7/9), so that two rows of half the load each have
+    i^(7/9) and i; Harris, table 7.4: F_r tan α/F_a = 0.7939 of rollers whose half is loaded."""
     sizes = {"rollers": 13, "clearance_um": 10.0}
     one, two = angular(sizes, radial_load_N=1000.0), angular(sizes | {"rows": 2}, radial_load_N=2000.0)
     assert_allclose(statics(one).inner_force, statics(two).inner_force, rtol=1e-9)

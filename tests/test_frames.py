@@ -112,21 +112,19 @@ def test_a_resumed_run_has_every_frame_once(tmp_path, stop_at):
         assert instant.elastic_energy == pytest.approx(instant.stored_elastic_energy, rel=1e-6)
 
 
-def test_a_file_without_its_frames_is_not_gone_on_with_and_those_beyond_its_samples_not_trusted(
-    with_fields, tmp_path, capsys
-):
-    path = tmp_path / "run.nc"
+def test_a_file_without_its_frames_is_not_gone_on_with_and_others_beyond_samples_not_read(with_fields, here, capsys):
+    path = here / "run.nc"
     options = [*OPTIONS, *EVERY, "--output", str(path), "--duration"]
     assert run_main([*options, "1"]) == 0
     with h5py.File(path, "r+") as file:
         del file[GROUP]
     assert run_main([*options, "2", "--resume"]) == 2
     assert "frames" in capsys.readouterr().err
-    path = changed(with_fields, tmp_path, lambda file: file[GROUP]["inner_ring_stress"].__setitem__((3, 7, 1), 1.0))
+    path = changed(with_fields, here, lambda file: file[GROUP]["inner_ring_stress"].__setitem__((3, 7, 1), 1.0))
     assert StoredRun(path).instant(100).stored  # another frame than the damaged one
     with pytest.raises(UsageError, match=r"sample 150 .* checksum"):
         StoredRun(path).instant(150)
-    path = changed(with_fields, tmp_path, lambda file: file.attrs.update(committed_samples=101))
+    path = changed(with_fields, here, lambda file: file.attrs.update(committed_samples=101))
     assert StoredRun(path).frames.tolist() == [0, 50, 100]
     assert read_instant(path).time == pytest.approx(1e-3, rel=1e-12)
     with pytest.raises(UsageError, match="0 to 1 ms"):

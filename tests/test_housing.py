@@ -11,7 +11,7 @@ from scipy.signal import lsim
 from fem.commands.run_fem import run_main
 from fem.contacts.critical_step import FINELY, critical_time_step
 from fem.contacts.points import patch_force
-from fem.elastic.outer_support import FEWEST, LooseRing, bored_ring, supported_ring
+from fem.elastic.outer_support import FEWEST, bored_ring, supported_ring
 from fem.elastic.reciprocal_mass import SECOND
 from fem.interface import simulate as run_scene
 from fem.kernels.elements.rings import HALO
@@ -398,19 +398,8 @@ def nothing_on(body):
 
 
 def plan_in(support, **tables):
-    """The paper's bearing on 2 mm for 2 ms."""
     tables = {"support": support, "numerics": {"mesh_size_mm": 2.0, "duration_ms": 2.0}} | tables
     return make_plan(parse_scene(tables, ""))
-
-
-@pytest.mark.parametrize("touching", [0, 10, 60, -1])
-def test_influences_of_a_ring_on_some_springs_are_those_that_its_factors_give(touching):
-    """From all springs' by Woodbury's formula, beside the sparse solution with the springs that act."""
-    body = in_bore(2, 20e-6)
-    far = np.abs(np.angle(np.exp(1j * (body.angles + 1.7))))
-    body, nodes = replace(body, touching=far <= np.sort(far)[touching]), np.array([3, 4, 5, 40, 41, 90])
-    expected = LooseRing._influence(body, nodes)
-    within(body.surface_influence(nodes), expected, 1e-9 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("wall", [1.0, 20.0])
@@ -541,11 +530,10 @@ def test_a_ring_thrown_into_its_bore_keeps_energy_and_momentum():
     {"kind": "housing", "fit_clearance_um": 20.0, "mass_kg": 1.0},
 ], ids=["play", "pressed", "housing with play"])  # fmt: skip
 def test_a_run_keeps_its_energy_ring_and_housing_are_in_balance_and_it_goes_on_bit_for_bit(support):
-    """Contacts, bore and weight make the ring's mean acceleration; 5e-8 of the stored energy is unaccounted for."""
     plan = plan_in(support)
     values, body, housing = kit.whole_run(plan), plan.model.outer_ring, plan.operation.mounting.housing
     stored = values["energy_elastic"] + values["energy_contact"] - body.pressed_energy
-    assert np.abs(values.imbalance).max() < 2e-7 * stored.max()
+    assert np.abs(values.imbalance).max() < 2e-7 * stored.max()  # measured 5e-8
     if housing is not None:  # springs, dashpots, weight and the bore's force accelerate it
         place, inertia = values["housing_y"], housing.mass * values["housing_ay"]
         push = -values["bore_force_y"] - housing.mass * plan.operation.gravity - housing.stiffness * place

@@ -1,12 +1,10 @@
 """Motion of rollers that tilt, in the time loop of rigid bodies: against the plane model, a reference and energy."""
 
-import h5py
 import numpy as np
 import pytest
 from pytest import approx
 
 from fem import interface
-from fem.runner import RunOptions, run_scene
 from fem.solver import start as rigid_start
 from fem.solver.elements import plan as elements
 from fem.solver.rigid import state as rigid_state
@@ -17,12 +15,10 @@ from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import RunFailed, UsageError
 from lagrange.first_state import Problem
 from lagrange.motion import sliced_laws
-from residual.evaluation import evaluate
 from residual.figures import save
 from residual.figures.run import pressure
 from residual.figures.run import tilt as tilt_figure
 from residual.load_zone import along_rollers
-from residual.sources import read_result
 from tests.reference.forward_motion import simulate
 from tests.reference.kit import assert_same_bits, defects, missed, moved, rest_of_run, scene
 
@@ -37,11 +33,6 @@ def problem_of(found):
     bearing = found.ideal_bearing()
     laws, damping = contact_laws(found.lagrange.law, bearing), found.damping.contacts
     return Problem(bearing, found.ideal_operation(), laws, axial=found.ideal_axial(), damping=damping)
-
-
-def checked_run(found, path):
-    run_scene(found, path, RunOptions(quiet=True))
-    return evaluate(read_result(path))
 
 
 def assert_equations_hold(checked, *terms):
@@ -96,10 +87,10 @@ def test_a_misaligned_shaft_moves_rollers_as_the_reference_says(keys):
 
 @slow
 @pytest.mark.parametrize("free", [{}, {"hub_tilt_inertia_kg_m2": 1.03e-5, "shaft_tilt_stiffness_N_m_rad": 2000.0}])
-def test_dampers_of_tilted_contacts_take_what_the_reference_says(free, monkeypatch, tmp_path):
+def test_dampers_of_tilted_contacts_take_what_the_reference_says(free, monkeypatch):
     found = scene("lagrange", ALONE | free, **MISALIGNED, lagrange__law="johnson", damping__contact_time_us=12.5)
     tables = tuple(rigid_state.tables_of(make_plan(found).problem, found.ideal_axial()))
-    checked = checked_run(found, tmp_path / "damped.nc")  # by slices, whose stiffness jumps as each one touches
+    checked = interface.simulate(found).residual()  # by slices, whose stiffness jumps as each one touches
     damped = np.abs(checked.record.inner_damping_force).sum(axis=1).max()
     assert_equations_hold(checked)  # moments of dampers push the hub too
     assert 0.0 < max(np.abs(each.budget.terms["damping"]).max() for each in checked.directions) < 0.1 * damped
@@ -247,11 +238,11 @@ def test_tables_of_coupled_slices_go_no_further_than_these_are_wide():
 
 
 @slow
-def test_a_spall_of_half_the_length_moves_rollers_as_the_reference_says(tmp_path):
+def test_a_spall_of_half_the_length_moves_rollers_as_the_reference_says():
     found = scene("lagrange", {"coupling": False, "slices": 10}, **MISALIGNED, lagrange__law="johnson",
                   spall=defects(HALF)["spall"][:1], numerics__duration_ms=1.0,
                   numerics__output_interval_us=2.0)  # fmt: skip
-    reference, checked = simulate(problem_of(found), 1e-3, 2e-6), checked_run(found, tmp_path / "spalled.nc")
+    reference, checked = simulate(problem_of(found), 1e-3, 2e-6), interface.simulate(found).residual()
     record, force = checked.record, reference.inner_force
     assert force[:, 0].min() < 0.9 * force[:, 0].max()  # it crosses the spall
     # tables of energy put a strike's ringing off by a tenth of a radian
@@ -284,17 +275,17 @@ def test_random_bearings_that_tilt_balance_or_say_why_not():
 PROFILED = LOGARITHMIC | ALONE
 
 
-def test_a_misaligned_run_on_meshes_stands_as_the_reduced_model_and_balances(tmp_path):
-    found, path = scene("fem", PROFILED, **COARSE, numerics__duration_ms=0.4), tmp_path / "tilted.nc"
+def test_a_misaligned_run_on_meshes_stands_as_the_reduced_model_and_balances():
+    found = scene("fem", PROFILED, **COARSE, numerics__duration_ms=0.4)
     start, other = make_plan(found).start.equilibrium, make_plan(scene("reduced", PROFILED, **COARSE)).start
     axes, most, loaded = start.axes, other.inner_moment.max(), other.inner_force > 50.0
     assert start.hub[1] == approx(other.hub[1], rel=1.5e-3)  # 1e-3 of it without tilt, too
     assert axes.inner_moment == approx(other.inner_moment, abs=5e-3 * most)
     assert axes.tilt[loaded] == approx(other.tilts.tilt[loaded], rel=1e-2)
-    checked = checked_run(found, path)
-    with h5py.File(path) as file:
-        assert file["inner_moment"][0] == approx(axes.inner_moment, abs=1e-4 * most)
-        assert missed({name: file[name][:] for name in file}) < 1e-6
+    result = interface.simulate(found)
+    checked = result.residual()
+    assert result["inner_moment"][0] == approx(axes.inner_moment, abs=1e-4 * most)
+    assert missed(result.values) < 1e-6
     assert checked.tilt.error == approx(checked.tilt.contact_law + checked.tilt.balance, abs=1e-12)
     assert checked.tilt.balance.std() < 1e-2 * most
 

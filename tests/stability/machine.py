@@ -212,7 +212,7 @@ def _around(tables: Tables, kinds: Draw, values: Draw) -> None:
         turning = 0.3 * operation["radial_load_N"]
         operation |= {"unbalance_g_mm": spread(0.1, 300.0), "rotating_load_N": turning * uniform(0.0, 1.0)}
     if kinds.chance(0.6):
-        tables |= _surfaces(d, n, kinds, values)
+        tables |= random_surfaces(d, n, kinds, values)
     if kinds.chance(0.4):
         values.speeds(operation, "speed_table", "speed_rpm")
     if kinds.chance(0.3):
@@ -221,7 +221,7 @@ def _around(tables: Tables, kinds: Draw, values: Draw) -> None:
         operation |= {"load_table": values.table("load.csv", "time_ms,x_N,y_N", pulls), "load_table_shape": shape}
 
 
-def _surfaces(d: float, n: int, kinds: Draw, values: Draw) -> Tables:
+def random_surfaces(d: float, n: int, kinds: Draw, values: Draw) -> Tables:
     """Spalls, waves, a measured profile and an unequal element, in their kinds' order."""
 
     def body() -> Tables:

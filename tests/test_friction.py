@@ -19,9 +19,9 @@ from lagrange.scene.scene import parse_scene
 from tests.reference import compiled
 from tests.reference.compiled import DT, creep_traction, find_slips, roller_field, rub
 from tests.reference.continua import carter_creep
-from tests.reference.kit import STEEL, copies, model, paper, within
+from tests.reference.kit import STEEL, copies, model, paper, whole_run, within
 from tests.reference.modes import shear_receptance, sticking_modes
-from tests.verification.runs import plan_of, record
+from tests.verification.runs import plan_of
 
 
 def across(state):
@@ -206,7 +206,7 @@ def test_rollers_that_stick_rock_and_shift_at_the_exact_frequencies(mesh_size_mm
         bearing__outer_raceway_diameter_mm=55.993, operation__radial_load_N=0.0, operation__gravity_m_s2=0.0,
         operation__speed_rpm=0.0, contact__friction_coefficient=0.5,
     )  # fmt: skip
-    found = record(replace(plan, start=replace(plan.start, kinematics=replace(plan.start.kinematics, roller=0.05))))
+    found = whole_run(replace(plan, start=replace(plan.start, kinematics=replace(plan.start.kinematics, roller=0.05))))
     wanted = sticking_modes(plan.model.bearing, float(plan.start.equilibrium.inner_force.mean()), 40e3, 75e3)
     around, padded, peaks = found["roller_theta"][:, 0], 2**20, []  # for peaks finer than the run is long
     for signal, low, high in ((np.diff(around), 35e3, 65e3), (found["roller_spin"][:, 0], 65e3, 110e3)):

@@ -38,7 +38,7 @@ from tests.reference.continua import half_width, squeezed_disc_approach
 from tests.reference.kit import HALF_PITCH, LENGTH, LOAD, STEEL, arrays, block, model, operation, paper, within
 from tests.stability.machine import random_scene
 from tests.verification.contact_statics import POSITIONS, law_on_rigid, squeezed
-from tests.verification.runs import every_step, plan_of, record, without_spin
+from tests.verification.runs import every_step, largest_stored, plan_of, without_spin
 
 SAMPLES, INTERVAL = 61, 5e-6
 SPIN = 4500.0 * np.pi / 30.0
@@ -252,13 +252,14 @@ def test_between_rigid_rings_every_roller_is_johnsons_squeezed_disc():
 def test_rigid_bodies_balance_roll_and_move_as_bodies_a_thousand_times_as_stiff(names):
     ways = {"numerics__mesh_size_mm": 2.0, "numerics__duration_ms": 1.0, **settings(names)}
     for start, limit in (("equilibrium", 1e-6), ("rest", 1e-5)):  # measured 3e-8, and 1e-6 loaded in 0.2 ms
-        found = record(plan_of(**ways, numerics__start=start, numerics__load_ramp_ms=0.2))
-        assert np.abs(found.imbalance).max() < limit * found.largest_stored
-    found = record(plan_of(**ways, operation__gravity_m_s2=0.0))
-    ideal, turned = found.plan.start.kinematics, found["roller_theta"][-1] - found["roller_theta"][0]
+        found = kit.whole_run(plan_of(**ways, numerics__start=start, numerics__load_ramp_ms=0.2))
+        assert np.abs(found.imbalance).max() < limit * largest_stored(found)
+    plan = plan_of(**ways, operation__gravity_m_s2=0.0)
+    found, ideal = kit.whole_run(plan), plan.start.kinematics
+    turned = found["roller_theta"][-1] - found["roller_theta"][0]
     assert turned.mean() / found["time"][-1] == pytest.approx(ideal.cage, rel=5e-4)
     assert_allclose(found["roller_spin"], ideal.roller, rtol=1e-3)
-    kit.assert_same_bits(*kit.rest_of_run(found.plan, 40, 61)[::-1])
+    kit.assert_same_bits(*kit.rest_of_run(plan, 40, 61)[::-1])
     interval, samples = 5e-6, []
     for material in (RIGID, replace(STEEL, youngs_modulus=1e3 * STEEL.youngs_modulus)):
         whole = model(bearing_with(names, material), 2e-3)
@@ -273,7 +274,7 @@ def test_rigid_bodies_balance_roll_and_move_as_bodies_a_thousand_times_as_stiff(
 def by_steps(names, slides=False, **changes):
     plan = plan_of(numerics__mesh_size_mm=2.0, **settings(names), **changes)
     plan = without_spin(plan) if slides else plan
-    return record(every_step(plan, 300)), plan
+    return kit.whole_run(every_step(plan, 300)), plan
 
 
 def directions(found):
@@ -334,7 +335,7 @@ def test_rigid_rollers_are_spun_up_by_friction():
         bearing__outer_raceway_diameter_mm=55.99, operation__radial_load_N=0.0, operation__gravity_m_s2=0.0,
         contact__friction_coefficient=0.02, **settings(["rollers"]),
     ))  # fmt: skip
-    found, bearing = record(plan), plan.model.bearing
+    found, bearing = kit.whole_run(plan), plan.model.bearing
     ideal, inertia = kinematics(bearing, plan.operation.speed).roller, 0.5 * bearing.roller_mass * 0.005**2
     # measured 1.5e-3 below; elastic rollers 2.9e-3
     assert found["work_dissipated"][-1] == pytest.approx(13 * 0.5 * inertia * ideal**2, rel=3e-3)
@@ -386,8 +387,8 @@ def test_random_bearings_stay_stable(names):
             plan = make_plan(parse_scene(tables, "random"))
         except ValueError:  # the materials don't bear the scene
             continue
-        found = record(plan)
-        exchanged = found.largest_stored + np.abs(found["work_external"]).max()
+        found = kit.whole_run(plan)
+        exchanged = largest_stored(found) + np.abs(found["work_external"]).max()
         assert np.abs(found.imbalance).max() < 1e-2 * exchanged, tables["name"]
         tried += 1
     assert tried >= 3

@@ -15,10 +15,10 @@ from lagrange.kinematics import kinematics
 from lagrange.scene.scene import read_scene
 from tests.reference.compiled import find_slips, press_contacts, push_surfaces, rub_contacts
 from tests.reference.continua import carter_creep, half_width
-from tests.reference.kit import LOAD, ON_A_ROLLER, paper
+from tests.reference.kit import LOAD, ON_A_ROLLER, paper, whole_run
 from tests.verification import Case, Check
 from tests.verification.contact_statics import BALANCE
-from tests.verification.runs import WIDE, collide, every_step, plan_of, record, without_spin
+from tests.verification.runs import WIDE, collide, every_step, largest_stored, plan_of, without_spin
 
 FRICTION = 0.1
 CARTER = "analytic: ξ = (μb/R)(1 − √(1 − T/μQ)) (Carter 1926; Johnson 1985, 8.3)"
@@ -73,7 +73,7 @@ def spin_up():
         bearing__outer_raceway_diameter_mm=55.99, operation__radial_load_N=0.0, operation__gravity_m_s2=0.0,
         contact__friction_coefficient=FRICTION,
     ))  # fmt: skip
-    bearing, found, sliding = plan.model.bearing, record(plan), slice(5, 20)
+    bearing, found, sliding = plan.model.bearing, whole_run(plan), slice(5, 20)
     rolling = kinematics(bearing, plan.operation.speed).roller
     inertia = 0.5 * bearing.roller_mass * bearing.roller_radius**2
     push = FRICTION * np.mean(found["inner_force"][sliding] + found["outer_force"][sliding])
@@ -84,7 +84,7 @@ def spin_up():
     source = "analytic: ½IΩ² a roller: sliding loses what it gives"
     yield Check("energy lost by sliding", "J", lost, exact, 4e-3, source)
     yield Check("spin once rolling", "rad/s", found["roller_spin"][-100:].mean(), rolling, 5e-4, KINEMATICS)
-    smooth = record(without_spin(plan_of(
+    smooth = whole_run(without_spin(plan_of(
         numerics__mesh_size_mm=2.0, numerics__duration_ms=0.5, operation__radial_load_N=2000.0,
         contact__friction_coefficient=0.0,
     )))  # fmt: skip
@@ -94,8 +94,9 @@ def spin_up():
 
 def rolling_without_slip():
     """The paper's bearing without gravity for 20 ms, mesh 2 mm: cage and rollers of the whole time loop."""
-    found = record(plan_of(numerics__mesh_size_mm=2.0, numerics__duration_ms=20.0, operation__gravity_m_s2=0.0))
-    ideal, theta = found.plan.start.kinematics, found["roller_theta"]
+    plan = plan_of(numerics__mesh_size_mm=2.0, numerics__duration_ms=20.0, operation__gravity_m_s2=0.0)
+    found, ideal = whole_run(plan), plan.start.kinematics
+    theta = found["roller_theta"]
     cage, spin = float(np.mean(theta[-1] - theta[0])) / float(found["time"][-1]), float(found["roller_spin"].mean())
     hertz = 0.5 / pi
     yield Check("cage speed", "Hz", hertz * cage, hertz * ideal.cage, 2e-4, KINEMATICS)
@@ -107,7 +108,7 @@ def climbing_roller():
 
     Off the inner raceway it rolls on the outer one and loses speed as it climbs: ¾ m Δv² = −m g Δy. There is no cage.
     """
-    found = record(plan_of(numerics__mesh_size_mm=1.0, numerics__duration_ms=7.0))
+    found = whole_run(plan_of(numerics__mesh_size_mm=1.0, numerics__duration_ms=7.0))
     free, half_window = 4, 25  # samples of 10 µs
     at, speed = np.array([half_window, len(found["time"]) - 1 - half_window]), []
     if np.any(found["inner_force"][at[0] : at[1], free] > 0.0):
@@ -146,11 +147,11 @@ def hub_momentum():
 
     What is left is the elastic ring's own motion.
     """
-    found = record(plan_of(
+    plan = plan_of(
         numerics__mesh_size_mm=2.0, numerics__duration_ms=2.0, numerics__output_interval_us=5.0,
         contact__friction_coefficient=0.0,
-    ))  # fmt: skip
-    how = found.plan.operation
+    )  # fmt: skip
+    found, how = whole_run(plan), plan.operation
     x, y = found["roller_x"] - found["inner_x"][:, None], found["roller_y"] - found["inner_y"][:, None]
     push = found["inner_force"] / np.hypot(x, y)
     for axis, along, weight in (("x", x, 0.0), ("y", y, how.radial_load + how.inner_mass * how.gravity)):
@@ -166,7 +167,7 @@ def angular_momentum():
     tractions and weights. Left out is the tilt of the deformed surfaces under the normal forces.
     """
     plan = every_step(without_spin(plan_of(numerics__mesh_size_mm=2.0)), 1500)
-    found, dt, roller = record(plan), plan.time_step, plan.model.roller
+    found, dt, roller = whole_run(plan), plan.time_step, plan.model.roller
     mass, inertia, radius = roller.total_mass, roller.polar_inertia, roller.shape.radius
     x, y = found["roller_x"], found["roller_y"]
     # velocities between samples are the leapfrog's own
@@ -195,9 +196,9 @@ def long_energy():
 
 
 def _balance(ms: float, rpm: float = 4500.0) -> Check:
-    found = record(plan_of(numerics__mesh_size_mm=2.0, numerics__duration_ms=ms, operation__speed_rpm=rpm))
+    found = whole_run(plan_of(numerics__mesh_size_mm=2.0, numerics__duration_ms=ms, operation__speed_rpm=rpm))
     worst, name = np.abs(found.imbalance).max(), f"largest imbalance in {ms:g} ms, {rpm:g} rpm"
-    return Check(name, "J", worst, 0.0, 1e-4, BALANCE, found.largest_stored)
+    return Check(name, "J", worst, 0.0, 1e-4, BALANCE, largest_stored(found))
 
 
 SPEED_RPM = 900.0  # slow: a fifth of the paper's, whose dynamics would add 1 %
@@ -226,7 +227,7 @@ def varying_compliance():
     """
     bearing, still = paper(), replace(read_scene().ideal_operation(), speed=0.0, gravity=0.0)
     ideal = kinematics(bearing, SPEED_RPM * pi / 30.0).frequencies["BPFO"]
-    found = record(plan_of(
+    found = whole_run(plan_of(
         numerics__mesh_size_mm=2.0, numerics__output_interval_us=20.0, operation__speed_rpm=SPEED_RPM,
         operation__gravity_m_s2=0.0, numerics__duration_ms=2.02e3 / ideal,
     ))  # fmt: skip

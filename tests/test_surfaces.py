@@ -176,9 +176,9 @@ def test_a_roller_between_raceways_has_hertz_contacts_and_yields_as_the_exact_se
     """Half-width and pressure, by the share of the force that lies left of each element's end."""
     run = quadratic.crossing(PAPER, None, np.array([0.0, -3.6e-6]), ahead=0.0, beyond=0.0, step=1e-7, fine=COARSELY)
     outer, inner = np.hypot(*run.settle().T)
-    pairs = contact_pairs(PAPER)
-    for force, place, pair in zip(run.pressures, run.places, (pairs[1], pairs[0]), strict=True):
-        x, whole = place[:, 0], force.sum()
+    by_ring = [np.split(of, run.ends) for of in (run.pressure, run.places[:, 0])]
+    for force, x, pair in zip(*by_ring, contact_pairs(PAPER)[1::-1], strict=True):
+        whole = force.sum()
         b = 2.0 * np.sqrt(np.sum(force * x**2) / whole)  # of Hertz's pressure the mean of x² is b²/4
         assert b == pytest.approx(pair.half_width(whole), rel=0.01)
         left = ((np.cumsum(force) - 0.5 * force) / whole)[::2]
@@ -200,11 +200,11 @@ def test_a_roller_thrown_at_a_rigid_flat_bounces_as_its_exact_modes_do():
     )  # fmt: skip
     run = quadratic.Run(roller, r, [(rigid, flat)], np.array([0.0, 1e-9]), step)
     run.motions[0].v = roller.translation @ np.array([0.0, -speed])
-    before = run.energy.sum()
+    before = sum(motion.energy for motion in run.motions)
     forces = np.array([run.advance()[0, 1] for _ in range(400)])
     exact = thrown_at_flat(speed, r, PAPER.roller_length, PAPER.roller)
     rebound = run.motions[0].mean(run.motions[0].v)[1] / speed
-    assert forces[-1] == 0.0 and run.energy.sum() == pytest.approx(before, rel=2e-3)
+    assert forces[-1] == 0.0 and sum(motion.energy for motion in run.motions) == pytest.approx(before, rel=2e-3)
     assert forces.max() == pytest.approx(exact.force, rel=0.01)
     assert np.count_nonzero(forces) * step == pytest.approx(exact.duration, rel=0.01)
     assert rebound == pytest.approx(exact.rebound, abs=0.005)

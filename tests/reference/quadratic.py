@@ -15,6 +15,7 @@ import numpy as np
 from scipy import sparse
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
+from scipy.linalg import block_diag
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 from skfem import Basis, BilinearForm, ElementTriP1, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshTri
 from skfem.helpers import dot
@@ -111,11 +112,10 @@ class Section:
         self.points, self.rim, self.rows = points[free], rim[free], dofs[:, free].T.ravel()
         stiffness = linear_elasticity(material.lame_lambda, material.lame_mu).assemble(self.basis)
         mass = BilinearForm(lambda u, v, _: dot(u, v)).assemble(self.basis)
-        inside = np.ix_(self.rows, self.rows)
-        self.stiffness, self.mass = length * stiffness[inside].tocsc(), material.density * length * mass[inside].tocsc()
+        own, density = np.ix_(self.rows, self.rows), material.density
+        self.stiffness, self.mass = length * stiffness[own].tocsc(), density * length * mass[own].tocsc()
         x, y = self.points.T
-        self.rigid = np.stack([np.eye(2)[0] + 0.0 * self.points, np.eye(2)[1] + 0.0 * self.points,
-                               np.stack([-y, x], axis=1)], axis=2).reshape(-1, 3)  # fmt: skip
+        self.rigid = np.column_stack([np.tile(np.eye(2), (len(x), 1)), np.stack([-y, x], axis=1).ravel()])
         self.held, pins, ends = held is not None, np.zeros(2 * len(x)), np.argsort(x)[[0, -1]]
         if not self.held:  # three springs, which loads that are balanced by inertia do not stretch
             pins[[2 * ends[0], 2 * ends[0] + 1, 2 * ends[1] + 1]] = self.stiffness.diagonal().mean()
@@ -425,9 +425,9 @@ class Motion:
         return q @ self.body.translation / self.body.mass
 
     @property
-    def energy(self) -> tuple[float, float]:
+    def energy(self) -> float:
         """Kinetic and elastic, J."""
-        return 0.5 * float(self.v @ self.v), 0.5 * float(np.sum((self.body.omega * self.q) ** 2)) + self.stored
+        return 0.5 * float(self.v @ self.v + np.sum((self.body.omega * self.q) ** 2)) + self.stored
 
 
 # ---- A roller between rings, or on one, that it meets anywhere between its own nodes. It is free, without friction and
@@ -441,24 +441,29 @@ class Run:
     """The roller in steps; `rings`: bodies and where their contact nodes lie, (n, 2), m, on the true surface."""
 
     def __init__(self, roller: Body, radius: float, rings: list[tuple[Body, np.ndarray]], start, step: float):
-        self.radius, self.start, self.places = radius, np.asarray(start, dtype=float), [at for _, at in rings]
-        self.motions = [Motion(each, step) for each in (roller, *(ring for ring, _ in rings))]
-        self.pressures = [np.zeros(len(at)) for at in self.places]  # N, on each node
+        self.radius, self.start, places = radius, np.asarray(start, dtype=float), [at for _, at in rings]
+        self.places, self.ends = np.concatenate(places), np.cumsum([len(at) for at in places])[:-1]
+        self.pressure = np.zeros(len(self.places))  # N, on each of the rings' nodes
         self.angle = np.arctan2(*roller.points[:, ::-1].T)
+        self._take([Motion(each, step) for each in (roller, *(ring for ring, _ in rings))])
+
+    def _take(self, motions: list[Motion]) -> None:
+        self.motions, self.compliance = motions, block_diag(*(motion.compliance for motion in motions[1:]))
 
     def settle(self, swing: float = 0.0) -> np.ndarray:
         """Find the equilibrium of the roller that runs around the origin at `swing`, rad/s, and set it going; forces as
         `advance` has them."""
-        moving, roller = self.motions, self.motions[0].body
-        self.motions = still = [Motion(motion.body, SETTLING, still=True) for motion in moving]
-        still[0].load = roller.translation @ (swing**2 * self.start)
+        moving, still = self.motions, [Motion(motion.body, SETTLING, still=True) for motion in self.motions]
+        translation = moving[0].body.translation
+        still[0].load = translation @ (swing**2 * self.start)
+        self._take(still)
         for _ in range(SETTLINGS):
             forces = self.advance(near=np.inf)
-        centre, self.motions = self.centre, moving
         for motion, found in zip(moving, still, strict=True):
             motion.q, motion.stored = found.q, found.stored
-        moving[0].v = roller.translation @ (swing * np.array([-centre[1], centre[0]]))
-        moving[0].a = roller.translation @ (-(swing**2) * centre)
+        self._take(moving)
+        moving[0].v = translation @ (swing * np.array([-self.centre[1], self.centre[0]]))
+        moving[0].a = translation @ (-(swing**2) * self.centre)
         return forces
 
     @property
@@ -466,52 +471,33 @@ class Run:
         """Of the roller's mass, (2,), m."""
         return self.start + self.motions[0].mean(self.motions[0].q)
 
-    @property
-    def energy(self) -> np.ndarray:
-        """Kinetic and elastic, J, of roller and rings, (1 + n_rings, 2)."""
-        return np.array([motion.energy for motion in self.motions])
-
-    def _gaps(self, places: np.ndarray, centre: np.ndarray, strained: np.ndarray, near: float):
-        """Nodes of a ring that come within `near`, m, of the roller, their gaps, normals from its centre, and how moves
-        of the roller's and of the ring's nodes change the gaps; `strained`: of the roller's nodes about its centre."""
-        away, axes = places - centre, np.arange(2)
+    def advance(self, near: float = NEAR) -> np.ndarray:
+        """Take a step, looking at gaps below `near`, m; forces of the rings on the roller, (n_rings, 2), N."""
+        roller, *rings = self.motions
+        moves, shift, axes = roller.expect(), roller.mean(roller.expected), np.arange(2)
+        away, strained = self.places - self.start - shift, moves - shift  # about the roller's centre
+        away += np.concatenate([ring.expect() for ring in rings])
         distance = np.hypot(*away.T)
         normal = away / distance[:, None]
         toward = np.arctan2(normal[:, 1], normal[:, 0])
         after = np.clip(np.searchsorted(self.angle, toward), 1, self.angle.size - 1)
-        pair = np.stack([after - 1, after], axis=1)
-        width = self.angle[after] - self.angle[after - 1]
+        pair, width = np.stack([after - 1, after], axis=1), self.angle[after] - self.angle[after - 1]
         beyond = (toward - self.angle[after - 1]) / width
         share = np.stack([1.0 - beyond, beyond], axis=1)
         gap = distance - self.radius - np.sum(normal * np.einsum("ij,ijk->ik", share, strained[pair]), axis=1)
-        fine = (beyond >= 0.0) & (beyond <= 1.0) & (width < 0.1)
-        k = np.flatnonzero(fine & (gap < near))
+        k = np.flatnonzero((beyond >= 0.0) & (beyond <= 1.0) & (width < 0.1) & (gap < near))  # none between the zones
         starts, weights = 2 * np.arange(k.size + 1), -(share[k, :, None] * normal[k, None, :]).ravel()
         on_roller, on_ring = (2 * pair[k, :, None] + axes).ravel(), (2 * k[:, None] + axes).ravel()
         by_roller = sparse.csr_matrix((weights, on_roller, 2 * starts), (k.size, strained.size))
-        by_ring = sparse.csr_matrix((normal[k].ravel(), on_ring, starts), (k.size, places.size))
-        return k, gap[k], normal[k], by_roller, by_ring
-
-    def advance(self, near: float = NEAR) -> np.ndarray:
-        """Take a step; forces of the rings on the roller, (n_rings, 2), N."""
-        roller, *rings = self.motions
-        moves = roller.expect()
-        shift = roller.mean(roller.expected)
-        found = [self._gaps(at + ring.expect(), self.start + shift, moves - shift, near)
-                 for at, ring in zip(self.places, rings, strict=True)]  # fmt: skip
-        nodes, each_gap, normals, by_roller, by_ring = zip(*found, strict=True)
-        both, ends = sparse.vstack(by_roller).tocsr(), np.cumsum([0, *map(len, nodes)])
-        parts, compliance = [slice(*ends[i : i + 2]) for i in range(len(rings))], both @ (both @ roller.compliance).T
-        for part, ring, by in zip(parts, rings, by_ring, strict=True):
-            compliance[part, part] += by @ (by @ ring.compliance).T
-        pushed = [pressure[node] > 0.0 for pressure, node in zip(self.pressures, nodes, strict=True)]
-        force = separated(np.concatenate(each_gap), compliance, np.concatenate(pushed))
-        roller.advance(both.T @ force)
-        for part, ring, by, pressure, node in zip(parts, rings, by_ring, self.pressures, nodes, strict=True):
-            ring.advance(by.T @ force[part])
-            pressure[:] = 0.0
-            pressure[node] = force[part]
-        return -np.array([normal.T @ force[part] for normal, part in zip(normals, parts, strict=True)])
+        by_ring = sparse.csr_matrix((normal[k].ravel(), on_ring, starts), (k.size, self.places.size))
+        compliance = by_roller @ (by_roller @ roller.compliance).T + by_ring @ (by_ring @ self.compliance).T
+        force = separated(gap[k], compliance, self.pressure[k] > 0.0)
+        self.pressure[:] = 0.0
+        self.pressure[k] = force
+        pushes = [by_roller.T @ force, *np.split(by_ring.T @ force, 2 * self.ends)]
+        for motion, pushed in zip(self.motions, pushes, strict=True):
+            motion.advance(pushed)
+        return -np.array([part.sum(axis=0) for part in np.split(self.pressure[:, None] * normal, self.ends)])
 
 
 # ---- A roller that crosses a spall at the lowest point of the outer ring: every body meshed, the spall cut out of the

@@ -24,6 +24,7 @@ from fem.commands.render_fem import render_main
 from fem.commands.run_fem import result_name, run_main
 from fem.commands.run_study import study_main
 from fem.pictures.output import refuse_foreign, write_film
+from fem.result import store
 from fem.result.checkpoint import checkpoint_path
 from fem.result.store import ResultFile
 from fem.solver import compiling
@@ -37,12 +38,59 @@ from residual.report import TEMPLATE
 from residual.store import Page, write_folder
 from tests.reference import kit
 from tests.reference.kit import EARLIER, OPTIONS, SHORT, environment, names_in, same_data
-from tests.reference.recorded_disk import RecordedDisk
 from tests.reference.synthetic_run import make_run, write_result
 from tests.waiting import GIVE_UP, no_endless_wait, wait_until
 
 BLOCKS = (1, 4, 15)  # samples appended and committed at a time, of 41
 ROLLERS = 13
+SECTOR = 512  # bytes a disk writes whole
+
+
+class RecordedDisk:
+    """A disk that remembers the solver's own writes, syncs and moves, and can lose power at any moment.
+
+    Give `fail_at` to have the call of that number, and all after it, fail for want of room.
+    """
+
+    def __init__(self, monkeypatch, fail_at=math.inf):
+        self.calls, self.log = 0, []  # ("write", file, place, bytes), ("move", file, path, content), ("sync",)
+        for name, told in (
+            ("fem.result.store.write_at", lambda handle, data, at: ("write", os.fstat(handle).st_ino, at, bytes(data))),
+            ("fem.result.store.move_into_place", lambda a, b: ("move", os.stat(a).st_ino, b, a.read_bytes())),
+            ("os.fsync", lambda handle: ("sync",)), ("os.posix_fallocate", lambda *_: ("claim",)),
+        ):  # fmt: skip
+            module, _, function = name.rpartition(".")
+            real = getattr(os if module == "os" else store, function)
+            monkeypatch.setattr(name, partial(self._watched, real, told, fail_at))
+
+    def _watched(self, real, told, fail_at, *given):
+        if self.calls >= fail_at:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        self.calls += 1
+        self.log.append(told(*given))
+        real(*given)
+
+    def after(self, path, numbers=None, tries=1):
+        """The content of a file after each call, which a killed process leaves; with random numbers after power cuts:
+        any of the sectors since the last sync on the disk or not."""
+        there, synced, since = None, None, []
+        for kind, *what in self.log:
+            if kind == "move" and what[1] == path:
+                there, synced, since = what[0], bytearray(what[2]), []
+            elif kind == "write" and what[0] == there:
+                place, data = what[1:]
+                borders = [place, *range(place - place % SECTOR + SECTOR, place + len(data), SECTOR), place + len(data)]
+                since += [(a, data[a - place : b - place]) for a, b in itertools.pairwise(borders)]
+            for _ in range(tries if synced is not None else 0):
+                content = synced.copy()
+                for place, data in since:
+                    if numbers is None or numbers.random() < 0.5:
+                        content[place : place + len(data)] = data
+                yield bytes(content)
+            if kind == "sync":
+                for place, data in since:
+                    synced[place : place + len(data)] = data
+                since = []
 
 
 @pytest.fixture(scope="module")
@@ -63,11 +111,11 @@ def samples():
 
 def write(path, plan, samples):
     """All blocks, each committed; fewer samples than there is room for."""
-    with ResultFile(path, plan, 0.0) as store:
+    with ResultFile(path, plan, 0.0) as file:
         for start, end in itertools.pairwise(itertools.accumulate((0, *BLOCKS))):
-            store.append({name: values[start:end] for name, values in samples.items()})
-            store.commit()
-        store.finish("interrupted", steps=7, wall_seconds=1.5)
+            file.append({name: values[start:end] for name, values in samples.items()})
+            file.commit()
+        file.finish("interrupted", steps=7, wall_seconds=1.5)
 
 
 ENDS = [(0, "running"), (1, "running"), (5, "running"), (20, "running"), (20, "interrupted")]
@@ -85,8 +133,8 @@ def found(path, samples):
 def test_kills_and_power_cuts_leave_the_samples_of_the_last_commit(plan, samples, tmp_path, monkeypatch):
     """After any write, and whichever sectors had reached the disk. The counter, eight aligned bytes, is not torn."""
     path, probe = tmp_path / "run.nc", tmp_path / "probe.nc"
-    with ResultFile(path, plan, 0.0) as store:
-        assert store._places.committed % 8 == 0
+    with ResultFile(path, plan, 0.0) as result:
+        assert result._places.committed % 8 == 0
     with h5py.File(path) as file:
         assert file.attrs["committed_samples"] == 0 and np.all(np.isnan(file["time"]))
     disk = RecordedDisk(monkeypatch)
@@ -97,9 +145,9 @@ def test_kills_and_power_cuts_leave_the_samples_of_the_last_commit(plan, samples
             probe.write_bytes(content)
             yield found(probe, samples)
 
-    killed = list(ends(disk.after_kills(path)))
+    killed = list(ends(disk.after(path)))
     assert len(killed) > 3 * 2 * len(columns_of("")) and list(dict.fromkeys(killed)) == ENDS
-    cut = [ENDS.index(end) for end in ends(disk.after_power_cuts(path, np.random.default_rng(5), tries=2))]
+    cut = [ENDS.index(end) for end in ends(disk.after(path, np.random.default_rng(5), tries=2))]
     assert len(cut) > 200 and set(cut) == set(range(len(ENDS)))
     assert all(later >= sooner - 1 for sooner, later in itertools.pairwise(cut))  # the commit in work is on it or not
 
@@ -112,9 +160,9 @@ def test_a_disk_that_fails_at_a_write_leaves_the_earlier_file_or_a_sound_one(
     with monkeypatch.context() as sound:
         disk = RecordedDisk(sound)
         write(path, plan, samples)
-    earlier, left = EARLIER, []
+    left = []
     for fail_at in range(0, disk.calls - 1, every):  # the last one syncs the folder, which not all can
-        path.write_bytes(earlier)
+        path.write_bytes(EARLIER)
         with monkeypatch.context() as failing:
             RecordedDisk(failing, fail_at)
             try:
@@ -123,10 +171,10 @@ def test_a_disk_that_fails_at_a_write_leaves_the_earlier_file_or_a_sound_one(
             except OSError as error:
                 assert error.filename == str(path) and error.strerror.startswith("No space left on device")
         assert names_in(tmp_path) == ["run.nc"]
-        left.append(earlier if path.read_bytes() == earlier else found(path, samples))
+        left.append("earlier" if path.read_bytes() == EARLIER else found(path, samples))
     if every == 1:  # once all samples are there and only a second file can't be written, the first takes the outcome
-        assert list(dict.fromkeys(left)) == [earlier, *ENDS[:-1], "ended", ENDS[-1]]
-    assert set(left) <= {earlier, *ENDS, "ended"} and len(set(left)) > 4
+        assert list(dict.fromkeys(left)) == ["earlier", *ENDS[:-1], "ended", ENDS[-1]]
+    assert set(left) <= {"earlier", *ENDS, "ended"} and len(set(left)) > 4
 
 
 def test_a_disk_that_fails_while_hdf5_lays_a_file_out_is_said_once_it_is_closed(plan, tmp_path, monkeypatch):

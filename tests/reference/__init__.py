@@ -8,6 +8,5 @@ modes               free vibration of discs and rings, a disc thrown at a flat, 
 quadratic           elastic bodies of quadratic triangles: a squeezed disc, a bearing at rest, a roller crossing a spall
 
 synthetic_run, synthetic_record   trajectories and records with known errors, as files and tables
-recorded_disk       a disk that fails or is cut off at any write
 bare_system         a process as on another system than Linux
 """

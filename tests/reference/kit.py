@@ -305,6 +305,12 @@ def read_json(path):
     return json.loads(Path(path).read_text(encoding="utf-8"))
 
 
+def attributes(path):
+    """Of a result file, which may still be written."""
+    with h5py.File(path, locking=False) as file:
+        return dict(file.attrs)
+
+
 def same_data(left, right):
     """Whether two result files hold the same numbers."""
     with h5py.File(left) as a, h5py.File(right) as b:

@@ -48,7 +48,6 @@ def test_a_scene_without_a_static_equilibrium_is_refused_in_a_sentence(option, t
 
 
 def own_exceptions():
-    """Every kind of error that a module of the program defines, once."""
     for package in (fem, lagrange, meshes, residual):
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             kinds = () if module.name.endswith("__main__") else vars(importlib.import_module(module.name)).values()
@@ -159,17 +158,14 @@ def test_the_shell_learns_a_commands_options(name, tmp_path, monkeypatch, capsys
         raise ShellDetectionError("no shell")
 
     monkeypatch.setattr("cyclopts.completion.detect.detect_shell", unknown)
-    assert main(["--install-completion"]) == 2
-    assert "none of bash, zsh and fish" in capsys.readouterr().err
+    assert main(["--install-completion"]) == 2 and "none of bash, zsh and fish" in capsys.readouterr().err
 
 
 # The version stands in one place, and a result names it and the code that made it
-
 ROOT = Path(__file__).resolve().parents[1]
 
 
 def test_package_citation_changelog_and_results_have_the_programs_version(coarse_run):
-    """And its source; every attribute is described."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     assert project["project"]["dynamic"] == ["version"]
     assert project["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "lagrange.version.VERSION"}
@@ -177,14 +173,12 @@ def test_package_citation_changelog_and_results_have_the_programs_version(coarse
     changes = re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.M)
     assert cited[1] == changes[1] == version.VERSION
     with h5py.File(coarse_run) as file:
-        assert file.attrs["program_version"] == version.VERSION
-        assert file.attrs["source"] == version.source_digest()
+        assert file.attrs["program_version"] == version.VERSION and file.attrs["source"] == version.source_digest()
     done = subprocess.run([sys.executable, "-m", "fem", "--version"], env=environment(), capture_output=True, text=True)
     assert (done.returncode, done.stdout.strip()) == (0, version.VERSION)
 
 
 def test_the_digest_is_that_of_the_code(tmp_path, monkeypatch):
-    """Another text, or another name of a module, is another program; what is no module does not matter."""
     (tmp_path / "lagrange").mkdir()
     module = tmp_path / "lagrange" / "version.py"
     monkeypatch.setattr(version, "__file__", str(module))
@@ -200,7 +194,6 @@ def test_the_digest_is_that_of_the_code(tmp_path, monkeypatch):
 
 
 # What starting loads: libraries that a command does not need cost every start up to a second, compilers more
-
 HEAVY = "scipy.interpolate scipy.optimize scipy.signal scipy.stats matplotlib websockets fem.live skfem "
 RUN = "from fem.commands.run_fem import run_main; code = run_main([{}])"
 SHORT = RUN.format("'--quiet', '--force', '--duration', '1', '--model', {!r}")
@@ -234,7 +227,6 @@ def test_a_run_from_python_writes_nothing(here):
 
 
 # Scenes and studies, and the files that they name: hostile ones are refused in a sentence, and soon
-
 QUOTE = '"' + ("x" * 900 + "\n") * 300  # a quotation mark that does not close, longer than csv takes
 NESTED = "[" * 5000
 GIANT = "9" * 400  # more than a float can hold

@@ -20,7 +20,6 @@ from tests.stability import histories
 
 @pytest.mark.parametrize("clock", ["back and forth", "an hour a look", "stands still"])
 def test_clocks_that_jump_change_nothing(clock, whole, tmp_path, monkeypatch):
-    """The hour set, a laptop asleep, a virtual machine moved: no sample, no end and no memory depend on it."""
     numbers, now = np.random.default_rng(3), itertools.count()
     told = {
         "back and forth": lambda: float(numbers.uniform(-1e6, 1e6)), "an hour a look": lambda: 3600.0 * next(now),
@@ -29,13 +28,11 @@ def test_clocks_that_jump_change_nothing(clock, whole, tmp_path, monkeypatch):
     for name in ("time", "monotonic", "perf_counter"):
         monkeypatch.setattr(f"time.{name}", told)
     path = tmp_path / "run.nc"
-    assert run_main([*SHORT, "--output", str(path)]) == 0
-    assert same_data(path, whole)
+    assert run_main([*SHORT, "--output", str(path)]) == 0 and same_data(path, whole)
     assert load_checkpoint(path, make_plan(read_scene(None, ("numerics.mesh_size_mm=2", "numerics.duration_ms=2"))))
 
 
 def ran(path, duration, model="fem"):
-    """The plan of a short run, once it has been run."""
     assert run_main([*OPTIONS, "--duration", str(duration), "--model", model, "--output", str(path)]) == 0
     keys = "numerics.mesh_size_mm=2", f"numerics.duration_ms={duration}", f"model={model}"
     return make_plan(read_scene(None, keys))
@@ -60,7 +57,6 @@ def refusals(path, places, numbers, read, error, compare):
 
 @pytest.mark.parametrize("flips", [40, pytest.param(1000, marks=pytest.mark.slow)])
 def test_no_flipped_bit_of_a_result_goes_unnoticed(flips, tmp_path):
-    """Of its samples: the file is refused, or what is read from it is what was written."""
     path = tmp_path / "run.nc"
     plan, sound, numbers = ran(path, 0.5), read_result(path), np.random.default_rng(7)
     with h5py.File(path) as file:

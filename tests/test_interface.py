@@ -106,8 +106,7 @@ def test_runs_of_threads_do_not_disturb_each_other():
 def test_a_stopped_run_says_so_keeps_its_samples_and_becomes_an_xarray_with_units():
     seen = []
     result = simulate(lagrangian(), progress=seen.append, stop=lambda: len(seen) == 2)
-    assert result.status == "interrupted"
-    assert len(result.time) == seen[-1].samples < result.plan.n_samples
+    assert result.status == "interrupted" and len(result.time) == seen[-1].samples < result.plan.n_samples
     found = result.to_xarray()
     assert found["inner_force"].dims == ("time", "roller") and found["inner_force"].attrs["units"] == "N"
     assert float(found["inner_y"].sel(time=0.0)) == result["inner_y"][0]
@@ -128,7 +127,6 @@ def test_stiffness_is_the_slope_of_the_law():
 
 
 def test_labels_name_the_first_spall_and_the_lines_and_quantities_are_those_that_their_tables_name():
-    """The Lagrangian model's own run leaves nothing in the equations that it solves."""
     result = simulate(lagrangian(**{"numerics.duration_ms": 2.0}))
     assert result.labels["spall_body"] == "none" and set(result.quantities) == set(OF_RUN)
     found = {each.name: each.value for each in interface.check_quantities(result.residual())}
@@ -151,16 +149,13 @@ def test_an_unusable_variation_is_refused_by_its_key(changes, told):
 
 
 def test_a_scene_that_follows_takes_the_last_one_s_mesh_and_gets_the_same_bits():
-    """The model is kept in memory from one scene to the next; another mesh in between must not matter."""
     coarse = read_scene().varied({"numerics.mesh_size_mm": 2.0, "numerics.duration_ms": 0.0})
     lighter = coarse.varied({"operation.radial_load_N": 1000.0, "operation.speed_rpm": 3000.0})
     first, after = make_plan(coarse), make_plan(lighter)
-    assert after.model.roller is first.model.roller
-    assert model_of(coarse.varied(SPALL)).bearing.faults
+    assert after.model.roller is first.model.roller and model_of(coarse.varied(SPALL)).bearing.faults
     make_plan(coarse.varied({"numerics.mesh_size_mm": 2.5}))
     alone = make_plan(lighter)
-    assert alone.model.roller is not first.model.roller
-    assert alone.critical_time_step == after.critical_time_step
+    assert alone.model.roller is not first.model.roller and alone.critical_time_step == after.critical_time_step
     for name in ("hub", "rho", "inner_force", "outer_force", "inner_ring", "outer_ring", "rollers"):
         mine, other = (getattr(plan.start.equilibrium, name) for plan in (after, alone))
         assert mine.tobytes() == other.tobytes(), name

@@ -11,6 +11,7 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from math import pi, sin, sqrt, tan
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -49,7 +50,6 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.fixture
 def meshed(monkeypatch):
-    """Shapes that gmsh was asked for."""
     asked = []
     monkeypatch.setattr(cache, "make", lambda shape: asked.append(shape) or make(shape))
     return asked
@@ -73,33 +73,34 @@ def test_file_names_tell_shapes_and_recipes_apart(monkeypatch):
     assert cache.file_name(DISC) not in names
 
 
-def changed(at, value):
-    def damage(good, path):
-        cells = np.load(path)
-        cells[at] = cells[at][::-1] if value is None else value
-        np.save(path, cells)
-
-    return damage
+def changed(cells, at, value):
+    cells = cells.copy()
+    cells[at] = value
+    return cells
 
 
-DAMAGE = {
-    "empty": lambda good, path: path.write_bytes(b""), "cut in the header": lambda good,
-    path: path.write_bytes(good[:20]), "cut in the cells": lambda good,
-    path: path.write_bytes(good[: 9 * len(good) // 10]), "binary garbage": lambda good,
-    path: path.write_bytes(np.random.default_rng(1).bytes(4000)), "text": lambda good,
-    path: path.write_text("nodes and cells\n"), "zeros": lambda good, path: path.write_bytes(b"\0" * len(good)),
-    "another shape": lambda good, path: cache.write(path, make(Disc(radius=0.0037, layers=2))),
-    "a cell the wrong way round": changed(3, None), "a node that is not there": changed((0, 0), 10_000),
-    "a pickle": lambda good, path: np.save(path, np.array([[{}]], dtype=object), allow_pickle=True),
-    "a missing cell": lambda good, path: cache.write(path, Mesh(points=make(DISC).points, cells=make(DISC).cells[1:])),
+DAMAGE = {  # to the file of a mesh: another mesh, array or bytes, or how much of it is left
+    "empty": lambda mesh: b"", "cut in the header": lambda mesh: 0.005, "cut in the cells": lambda mesh: 0.9,
+    "text": lambda mesh: b"nodes and cells\n", "zeros": lambda mesh: b"\0" * 1000,
+    "binary garbage": lambda mesh: np.random.default_rng(1).bytes(4000),
+    "another shape": lambda mesh: make(Disc(radius=0.0037, layers=2)),
+    "a cell the wrong way round": lambda mesh: changed(mesh.cells, 3, mesh.cells[3][::-1]),
+    "a node that is not there": lambda mesh: changed(mesh.cells, (0, 0), 10_000),
+    "a pickle": lambda mesh: np.array([[{}]], dtype=object),
+    "a missing cell": lambda mesh: Mesh(points=mesh.points, cells=mesh.cells[1:]),
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE.keys())
+@pytest.mark.parametrize("damage", DAMAGE)
 def test_a_damaged_entry_is_made_again_and_mended(damage, folder, meshed):
     wanted, path = mesh_of(DISC), folder / cache.file_name(DISC)
-    good = path.read_bytes()
-    damage(good, path)
+    good, what = path.read_bytes(), DAMAGE[damage](wanted)
+    if isinstance(what, Mesh):
+        cache.write(path, what)
+    elif isinstance(what, np.ndarray):
+        np.save(path, what, allow_pickle=True)
+    else:
+        path.write_bytes(what if isinstance(what, bytes) else good[: int(what * len(good))])
     assert path.read_bytes() != good
     assert_same(mesh_of(DISC), wanted)
     assert len(meshed) == 2 and path.read_bytes() == good and len(list(folder.iterdir())) == 1
@@ -172,36 +173,29 @@ mesh_of(Disc(radius=0.0037, layers=3))
 
 
 # Results kept on disk: made once, and made anew where the file is damaged or the folder can't be written
-
-
 @pytest.fixture
 def folder_kept(tmp_path, monkeypatch):
     monkeypatch.setattr("meshes.cache.cache_folder", lambda: tmp_path / "meshes")
     return tmp_path / "kept"
 
 
-class Maker:
-    def __init__(self, size=3):
-        self.calls, self.size = 0, size
-
-    def __call__(self):
-        self.calls += 1
-        return {"a": np.arange(self.size, dtype=float), "b": np.array(2.5)}
+def maker(size=3):
+    return mock.Mock(side_effect=lambda: {"a": np.arange(size, dtype=float), "b": np.array(2.5)})
 
 
 def test_results_are_made_once_by_kind_and_key_and_large_ones_not_kept(folder_kept):
-    make = Maker()
+    make = maker()
     for kind, key in 2 * (("some", "key"), ("some", "other"), ("more", "key")):
         found = kept(kind, key, make)
         assert found["a"].tolist() == [0.0, 1.0, 2.0] and float(found["b"]) == 2.5
-    assert make.calls == 3
-    kept("large", "key", Maker(size=int(LARGEST / 8) + 1))
+    assert make.call_count == 3
+    kept("large", "key", maker(size=int(LARGEST / 8) + 1))
     assert len(list(folder_kept.rglob("*.npz"))) == 3
 
 
 @pytest.mark.parametrize("damage", [b"", b"no archive", "flipped", "sealed", "in the way"])
 def test_a_damaged_result_is_made_anew_and_a_folder_that_cannot_be_written_costs_time_only(folder_kept, damage):
-    make = Maker()
+    make = maker()
     if damage == "in the way":
         folder_kept.write_text("a file where the folder should be")
     kept("some", "key", make)
@@ -217,11 +211,10 @@ def test_a_damaged_result_is_made_anew_and_a_folder_that_cannot_be_written_costs
             path.write_bytes(bytes(data) if damage == "flipped" else damage)
     for _ in range(2 if damage != "in the way" else 1):
         assert kept("some", "key", make)["a"].tolist() == [0.0, 1.0, 2.0]
-        assert make.calls == 2, "the damaged entry has been replaced"
+        assert make.call_count == 2, "the damaged entry has been replaced"
 
 
 def test_a_change_of_any_module_makes_kernels_anew(tmp_path):
-    """Also of one that defines no kernel of its own: its parts stand in the code of others."""
     folder = tmp_path / "kernels"
     shutil.copytree(Path(fem.kernels.__file__).parent, folder, ignore=shutil.ignore_patterns("__pycache__"))
     found, modules = {digest(folder)}, sorted(folder.rglob("*.py"))
@@ -237,7 +230,6 @@ def test_a_change_of_any_module_makes_kernels_anew(tmp_path):
 
 
 # gmsh's cross-sections: nodes where the contact weights expect them, cells that tile the shape, bounded
-
 DISCS = [Disc(radius=0.005, layers=layers) for layers in (1.5, 2, 2.5, 3, 5.5, 7)]
 RINGS = [
     Annulus(inner_radius=inner, outer_radius=outer, sectors=sectors, layers=layers)
@@ -247,17 +239,13 @@ RINGS = [
 
 @pytest.mark.parametrize("shape", DISCS + RINGS)
 def test_cells_tile_the_shape_without_holes_or_overlap(shape):
-    def polygon_area(radius, corners):
-        return 0.5 * corners * radius**2 * sin(2.0 * pi / corners)
-
     mesh, disc = make(shape), isinstance(shape, Disc)
     x, y = np.moveaxis(mesh.points[mesh.cells], -1, 0)
     areas = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
-    if disc:
-        wanted, rims, holes = polygon_area(shape.radius, shape.surface_nodes), shape.surface_nodes, 0
-    else:
-        wanted = polygon_area(shape.outer_radius, shape.sectors) - polygon_area(shape.inner_radius, shape.sectors)
-        rims, holes = 2 * shape.sectors, 1
+    around, layers = (shape.surface_nodes if disc else shape.sectors), shape.layers
+    rims, holes = (around, 0) if disc else (2 * around, 1)
+    square = shape.radius**2 if disc else shape.outer_radius**2 - shape.inner_radius**2
+    wanted = 0.5 * around * square * sin(2.0 * pi / around)  # of polygons
     assert areas.min() > 0.0, "cells run counter-clockwise"
     assert areas.sum() == pytest.approx(wanted, rel=1e-12)  # summed round-off of a thousand cells
     ends = np.stack([mesh.cells, np.roll(mesh.cells, -1, axis=1)], axis=-1).reshape(-1, 2)
@@ -265,7 +253,6 @@ def test_cells_tile_the_shape_without_holes_or_overlap(shape):
     assert set(count.values()) == {1, 2} and sum(n == 1 for n in count.values()) == rims
     assert len(mesh.points) - len(count) + len(mesh.cells) == 1 - holes, "Euler's formula"
     # where contact weights expect them: a disc's surface last, a ring's rows from the inside, each from angle 0 on
-    around, layers = (shape.surface_nodes if disc else shape.sectors), shape.layers
     radii = [shape.radius] if disc else np.linspace(shape.inner_radius, shape.outer_radius, layers + 1)
     places = np.outer(radii, np.exp(2j * pi * np.arange(around) / around)).ravel()
     np.testing.assert_allclose(mesh.points[-places.size :] @ [1.0, 1j], places, rtol=0.0, atol=1e-14 * radii[-1])
@@ -307,8 +294,8 @@ def test_triangles_of_a_disc_stay_near_equilateral_and_look_the_same_turned_and_
 def test_quality_measures_a_known_triangle_and_square():
     height = 2.0 * tan(pi / 6.0)
     found = quality(Mesh(points=np.array([[0.0, 0.0], [2.0, 0.0], [0.0, height]]), cells=np.array([[0, 1, 2]])))
-    assert (found.nodes, found.cells) == (3, 1)
-    assert (found.smallest_angle, found.largest_angle) == pytest.approx((30.0, 90.0), abs=1e-12)
+    told = found.nodes, found.cells, found.smallest_angle, found.largest_angle
+    assert told == pytest.approx((3, 1, 30.0, 90.0), abs=1e-12)
     assert (found.smallest_edge, found.largest_edge) == pytest.approx((height, 2.0 / np.cos(pi / 6.0)), rel=1e-14)
     square = Mesh(points=np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), cells=np.array([[0, 1, 2, 3]]))
     assert quality(square).smallest_angle == pytest.approx(90.0, abs=1e-12)

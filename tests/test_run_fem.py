@@ -47,8 +47,7 @@ def line_pressure(force, radius, bearing=PAPER):
 
 def test_help_and_dry_runs_write_nothing(here, capsys):
     run_main(["--help"])
-    assert "Example: run-fem" in capsys.readouterr().out
-    assert run_main(["--dry-run", "--mesh-size", "2"]) == 0
+    assert "Example: run-fem" in capsys.readouterr().out and run_main(["--dry-run", "--mesh-size", "2"]) == 0
     out = capsys.readouterr().out
     assert all(word in out for word in ("degrees of freedom", "time step", "memory", "result file", "angles"))
     wide = sets("bearing.outside_diameter_mm=2000")  # it compares with no mesh that takes its time
@@ -57,7 +56,6 @@ def test_help_and_dry_runs_write_nothing(here, capsys):
 
 
 def test_a_large_result_file_is_announced_with_the_keys_that_make_it_smaller(tmp_path):
-    """What is announced is what the file takes, but for some tens of kB of its own."""
     short, long = (plan_of("model=lagrange", f"numerics.duration_ms={duration}") for duration in (20, 2000))
     assert size_warning(short) == ()
     assert {"numerics.duration_ms", "numerics.output_interval_us"} <= set(size_warning(long)[0].split())
@@ -108,7 +106,6 @@ def test_physics_of_the_coarse_run(coarse_run):
 
 
 def test_halving_the_interval_changes_no_shared_sample():
-    """The storage stride must not touch the trajectory when the step divides both intervals."""
     fine, coarse = (plan_of("numerics.duration_ms=1", f"numerics.output_interval_us={us}") for us in (10, 20))
     assert fine.time_step == pytest.approx(coarse.time_step, rel=0.03)
     coarse = replace(coarse, time_step=fine.time_step, stride=2 * fine.stride)
@@ -118,8 +115,6 @@ def test_halving_the_interval_changes_no_shared_sample():
 
 
 # What a run says of itself first: hub, loads, load zone, cage, ball passes
-
-
 def samples(speed, slip=0.0, turns=1.0, count=4001):
     """A made-up run: rollers loaded in the lower 120° of the circle, hub on an ellipse."""
     time = np.linspace(0.0, turns * tau / (kinematics(PAPER, speed).cage * (1.0 - slip)), count)
@@ -184,7 +179,6 @@ def test_a_plan_gives_each_raceway_its_own_largest_force(capsys):
 
 
 # What a run warns of when it is over: contacts that a shock has pressed wider than at rest
-
 SOFT = """
 bearing = { rollers = 31, roller_diameter_mm = 13.2, roller_length_mm = 20.0, inner_raceway_diameter_mm = 140.0, \
 outer_raceway_diameter_mm = 166.4, bore_diameter_mm = 110.0, outside_diameter_mm = 196.0 }
@@ -238,19 +232,16 @@ def test_limits_of_contacts_are_a_tenth_of_the_radius_by_hertz_and_an_overlap_of
 
 
 def test_the_checker_reads_whatever_a_run_goes_on_with():
-    """A hub between four rollers, as far off as rigid bodies may be in one another."""
     table = {"rollers": 4, "roller_diameter_mm": 3.0, "roller_length_mm": 4.4, "inner_raceway_diameter_mm": 3.3}
     table |= {"outer_raceway_diameter_mm": 9.32, "bore_diameter_mm": 2.7, "outside_diameter_mm": 12.9}
     bearing = parse_scene({"model": "lagrange", "bearing": table}, "").ideal_bearing()
     give = THROUGH * bearing.roller_radius
-    off = 1.999 * (bearing.radial_clearance + give)
-    angle = np.radians([0.0, 90.0, 180.0, 270.0])
+    off, angle = 1.999 * (bearing.radial_clearance + give), np.radians([0.0, 90.0, 180.0, 270.0])
     x, y = bearing.pitch_radius * np.cos(angle), bearing.pitch_radius * np.sin(angle) + off
     values = {"inner_x": np.zeros(1), "inner_y": np.array([off]), "roller_x": x[None], "roller_y": y[None]}
     values["roller_rho"] = np.full((1, 4), bearing.pitch_radius)
     samples = Samples(values=values, imbalance=np.zeros(1), exchanged=np.zeros(1), error=np.zeros(1))
-    assert n_in_place(bearing, give, samples) == 1
-    assert 0.2 * bearing.pitch_radius < off < farthest_place(bearing)
+    assert n_in_place(bearing, give, samples) == 1 and 0.2 * bearing.pitch_radius < off < farthest_place(bearing)
 
 
 def test_what_kicks_give_beyond_forces_is_what_the_hub_s_balance_misses_and_is_told_where_nothing_else_is():
@@ -301,8 +292,6 @@ def test_what_a_guide_s_kicks_give_the_hub_beyond_forces_is_told_too():
 
 
 # What a plan warns of: pressures that steel does not bear, samples too seldom; told everywhere a user looks
-
-
 def test_pressures_that_steel_does_not_bear_are_warned_of():
     """4000 MPa: ISO 76:2006, rollers. 628 N on a rounded edge against the roller: 4.9 GPa at 0.1 mm, 3.5 at 0.2.
 
@@ -327,15 +316,12 @@ def test_pressures_that_steel_does_not_bear_are_warned_of():
 def test_a_warning_is_told_wherever_a_user_looks(tmp_path, capsys):
     path = tmp_path / "run.nc"
     options = ["--mesh-size", "2", "--duration", "1", *sets("operation.radial_load_N=60000"), "--output", str(path)]
-    assert run_main([*options, "--dry-run"]) == 0
-    assert "Warning: the largest static force" in capsys.readouterr().out
+    assert run_main([*options, "--dry-run"]) == 0 and "Warning: the largest static force" in capsys.readouterr().out
     assert run_main(options) == 0
     out, error = capsys.readouterr()
     assert (out + error).lower().count("warning: the largest static force") == 1
-    assert "ISO 76" in attributes(path)["warnings"]
-    assert any("ISO 76" in note for note in read_result(path).notes)
-    assert check_main([str(path), "--output", str(tmp_path / "report")]) == 0
-    assert "ISO 76" in capsys.readouterr().err
+    assert "ISO 76" in attributes(path)["warnings"] and any("ISO 76" in note for note in read_result(path).notes)
+    assert check_main([str(path), "--output", str(tmp_path / "report")]) == 0 and "ISO 76" in capsys.readouterr().err
     assert any("ISO 76" in note for note in read_json(tmp_path / "report/summary.json")["notes"])
 
 
@@ -385,7 +371,6 @@ def test_no_warning_follows_from_the_interval_that_the_program_chooses(bearing, 
 
 @pytest.mark.parametrize("model", ["reduced", "lagrange", "fem"])
 def test_a_spall_or_a_housing_without_damping_is_told_of_with_the_key(model):
-    """But not where damping would be refused."""
 
     def asked(*settings):
         return [each for each in plan_of(f"model={model}", *settings).warnings if "damping.contact_time_us" in each]
@@ -414,8 +399,6 @@ def test_a_default_duration_without_a_passage_gives_the_time_of_a_turn(model):
 
 
 # Runs that go wrong numerically: noticed within 100 steps, good samples kept, the reason told
-
-
 def failing_step(plan, state=None):
     with pytest.raises(RunFailed) as failed:
         run(plan, lambda samples: None, state=state)
@@ -448,7 +431,6 @@ def test_a_step_beyond_the_limit_and_a_value_that_is_not_a_number_are_noticed_wi
 
 
 def test_how_samples_are_cut_into_blocks_changes_no_bit_of_them():
-    """Blocks are cut by the wall clock; angles wrap and sums run on across them."""
     plan = plan_of("numerics.duration_ms=1", "operation.speed_rpm=60000", "numerics.output_interval_us=10",
                    "operation.first_roller_deg=91")  # fmt: skip
     rows, *_ = plan.first_state().take_steps(plan.looks * 101)

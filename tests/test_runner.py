@@ -67,7 +67,6 @@ each_model = pytest.mark.parametrize("case", ("finite elements", "reduced", "Lag
 
 
 def run(case, path, *options, duration="2"):
-    """The command's exit code."""
     return run_main([*case, "--duration", duration, "--output", str(path), "--force", *options])
 
 
@@ -113,8 +112,7 @@ def test_a_run_that_is_stopped_and_resumed_is_the_uninterrupted_one(case, looks,
         assert 0 < count < looks
     else:
         assert count == looks % 201
-    assert run(case, path, "--quiet", "--resume") == 0
-    assert content(path) == content(whole)
+    assert run(case, path, "--quiet", "--resume") == 0 and content(path) == content(whole)
     found = attributes(path)
     assert (found["status"], found["committed_samples"]) == ("complete", 201)
     # of the last pass: 14 a sample in place of 7, ten in place of five
@@ -139,8 +137,7 @@ def test_a_run_shows_its_progress_and_its_end(case, tmp_path, monkeypatch, capsy
     assert run(case, path, "--resume") == 0  # tells its energy balance again
     balance = r"energy imbalance (\S+) of the exchanged"
     assert re.search(balance, capsys.readouterr().out)[1] == re.search(balance, out)[1]
-    assert run(case, path, "--quiet") == 0
-    assert capsys.readouterr() == ("", "")
+    assert run(case, path, "--quiet") == 0 and capsys.readouterr() == ("", "")
 
 
 @each_model
@@ -172,7 +169,6 @@ def test_checkpoints_of_another_model_scene_or_version_are_refused(case, tmp_pat
 
 
 def test_a_run_that_restarts_says_so_and_starts_its_file_anew(tmp_path, monkeypatch, capsys):
-    """A kill between its checkpoint and its new file leaves what can be resumed."""
     path, killed, seen = tmp_path / "run.nc", tmp_path / "killed.nc", []
     restart = ResultFile.restart
 
@@ -188,8 +184,7 @@ def test_a_run_that_restarts_says_so_and_starts_its_file_anew(tmp_path, monkeypa
     assert "contacts rattle: the step of 1.43e-06 s changes the energy by 0.057 %" in error and "restarts" in error
     assert seen == [(0, pytest.approx(5e-6 / 7.0))]
     assert 0.7e-6 < attributes(path)["time_step"] < attributes(path)["critical_time_step"]
-    assert run(REFINES, killed, "--quiet", "--resume") == 0
-    assert content(killed) == content(path) and len(seen) == 1
+    assert run(REFINES, killed, "--quiet", "--resume") == 0 and content(killed) == content(path) and len(seen) == 1
 
 
 def test_where_no_refinement_is_left_rattling_is_warned_of_and_too_long_a_step_fails(tmp_path, monkeypatch, capsys):
@@ -216,8 +211,7 @@ def test_a_run_that_restarts_without_room_for_its_state_is_not_resumed_from_an_o
         save(result, state, stored)
 
     monkeypatch.setattr("fem.runner.save_checkpoint", full)
-    assert run(REFINES, path, "--checkpoint", "0", "--quiet") == 0
-    assert not checkpoint_path(path).exists()
+    assert run(REFINES, path, "--checkpoint", "0", "--quiet") == 0 and not checkpoint_path(path).exists()
 
 
 SELDOM = "numerics.start=rest", "numerics.output_interval_us=200"
@@ -274,7 +268,6 @@ def test_what_an_option_lacks_is_told_before_a_run_is_planned(options, words, tm
 
 
 # Processes that are stopped, killed or told to end, and results that are taken away from under a run
-
 COARSE = ["--mesh-size", "2", "--quiet"]
 SETTINGS = ("numerics.mesh_size_mm=2", "numerics.duration_ms=2")
 LONG = [*sets("numerics.output_interval_us=1e6"), "--duration", "3000"]  # minutes a sample
@@ -291,7 +284,6 @@ def refused(arguments, capsys):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 @pytest.mark.parametrize("model", ["fem", "lagrange"])
 def test_a_stopped_command_says_so_and_leaves_a_readable_file(model, number, tmp_path, capsys):
-    """While it runs anyone may look on, and a second run is refused; after a kill before a checkpoint samples stay."""
     path, killed = tmp_path / "long.nc", number is signal.SIGKILL
     process = start_run(path, "--model", model)
     try:
@@ -315,7 +307,6 @@ def test_a_stopped_command_says_so_and_leaves_a_readable_file(model, number, tmp
 
 
 def started(path, *options):
-    """A run whose result file is there."""
     run_fem = [*started_as("run-fem"), *options, "--quiet", "--output", str(path)]
     process = subprocess.Popen(run_fem, env=environment(), stderr=subprocess.PIPE, text=True)
     wait_until(path.exists, process)
@@ -400,7 +391,6 @@ def test_a_result_taken_away_during_the_run_is_not_told_to_be_there(what, tmp_pa
 
 
 def test_samples_beyond_the_checkpoint_are_written_again(whole, tmp_path):
-    """What a kill between flush and checkpoint leaves."""
     path, plan = tmp_path / "killed.nc", make_plan(read_scene(None, SETTINGS))
     state = plan.first_state()
     with ResultFile(path, plan, 0.0) as store:
@@ -409,12 +399,10 @@ def test_samples_beyond_the_checkpoint_are_written_again(whole, tmp_path):
         save_checkpoint(path, state, store.stored)
         simulate.run(plan, store.append, stop=lambda: state.done >= 60, state=state)
         store.commit()
-    assert run_main([*COARSE, "--duration", "2", "--output", str(path), "--resume"]) == 0
-    assert same_data(path, whole)
+    assert run_main([*COARSE, "--duration", "2", "--output", str(path), "--resume"]) == 0 and same_data(path, whole)
 
 
 # kill -9 at random moments: numbers of calls to the system that write, sync or move, whatever the machine's load
-
 KILLED = [*COARSE, "--duration", "12", "--checkpoint", "0", *sets("output.fields_every_ms=1"), "--output"]
 BLOCK = 20  # samples between two checkpoints, of 1201
 COUNTER = 8  # bytes, which reach a file whole
@@ -491,17 +479,13 @@ def test_after_a_random_kill_the_file_is_sound_and_the_run_goes_on_bit_for_bit(k
             checkpoint_path(path).unlink()
             count = 0
         done, grown, before = done + killed, grown + (count > before), count
-    assert leg(path) == 0
-    assert samples_in(path, undisturbed) == len(undisturbed["time"])
+    assert leg(path) == 0 and samples_in(path, undisturbed) == len(undisturbed["time"])
     assert grown >= kills // 2  # kills hit runs that were under way
     assert {entry.name for entry in tmp_path.iterdir()} == {"run.nc", "run.nc.checkpoint"}
 
 
 # Checkpoints and fields of a result file that others have made: refused in a sentence
-
-
 def forged(whole, path, change):
-    """A finished run's files, the checkpoint changed by `change(arrays, meta)` and sound in itself."""
     with np.load(checkpoint_path(whole)) as file:
         arrays = dict(file)
     meta = json.loads(arrays.pop("meta").tobytes())
@@ -559,7 +543,6 @@ def with_fields(tmp_path_factory):
 
 
 def replaced(name, make=lambda *_: None):
-    """Another variable of that name in the group of fields, or none."""
 
     def change(file, folder):
         old = file[GROUP].pop(name)[...] if name in file[GROUP] else None
@@ -605,8 +588,7 @@ def test_forged_fields_are_refused_in_a_sentence(forgery, with_fields, tmp_path,
     before = path.read_bytes()
     assert render_main([str(path), "--export", str(target)]) == 2
     said = capsys.readouterr().err
-    assert str(path) in said and words in said and said.count("\n") == 1
-    assert not target.exists()
+    assert str(path) in said and words in said and said.count("\n") == 1 and not target.exists()
     if resumed:
         assert str(path) in refused([*WITH_FIELDS, "0.4", "--output", str(path), "--resume"], capsys)
         assert path.read_bytes() == before

@@ -58,16 +58,14 @@ def test_a_light_start_does_not_shock_the_bearing(name):
     own = max(run["inner_force"].max(), run["outer_force"].max())
     found = (integrated(of, 4e-4, 2e-6) for of in (problem, still))
     same, quiet = (max(run.inner_force.max(), run.outer_force.max()) for run in found)
-    assert own == pytest.approx(same, rel=CLOSE)
-    assert own < (1.0 + CLOSE) * quiet
+    assert own == pytest.approx(same, rel=CLOSE) and own < (1.0 + CLOSE) * quiet
 
 
 def test_a_hub_balanced_on_one_roller_starts_without_velocity_and_the_run_says_so():
     """Bounds: by another integration 5.23 × 0.92 µm and 246 N; a jump taken for a velocity made 70 µm and 6381 N."""
     scene = LIGHT["NU206"] | {"model": "lagrange", "numerics": {"duration_ms": 20.0}}
     run = simulate(parse_scene(scene, "scene"))
-    assert abs(run["inner_vx"][0]) < 1e-6
-    assert np.ptp(run["inner_x"]) == pytest.approx(5.23e-6, rel=0.02)
+    assert abs(run["inner_vx"][0]) < 1e-6 and np.ptp(run["inner_x"]) == pytest.approx(5.23e-6, rel=0.02)
     assert np.ptp(run["inner_y"]) == pytest.approx(0.92e-6, rel=0.02)
     assert max(run["inner_force"].max(), run["outer_force"].max()) == pytest.approx(246.0, rel=0.02)
     assert any("starts at rest" in sentence for sentence in run.warnings)
@@ -80,8 +78,7 @@ def test_a_loaded_start_keeps_the_velocity_of_its_equilibrium_and_says_nothing()
         static_equilibrium(problem.bearing, problem.operation, problem.laws, angles=state.theta + turn)
         for turn in (shift * state.theta_rate, -shift * state.theta_rate)
     )
-    assert warning is None
-    assert state.x_rate == pytest.approx((ahead.x - behind.x) / (2.0 * shift), rel=1e-3)
+    assert warning is None and state.x_rate == pytest.approx((ahead.x - behind.x) / (2.0 * shift), rel=1e-3)
     assert state.y_rate == pytest.approx((ahead.y - behind.y) / (2.0 * shift), rel=1e-3)
 
 

@@ -15,7 +15,7 @@ from fem.result.run_file import RunFile
 from fem.result.store import ResultFile, Stored, WriteFailed, bytes_of_a_sample, write_estimates
 from fem.solver.compiling import CompiledPlan, is_compiled, remember, seconds_by_trial
 from fem.solver.simulate import make_plan, run
-from fem.solver.solver import Plan, RunState
+from fem.solver.solver import Plan
 from lagrange.bearing import is_plain, section_words
 from lagrange.errors import RunFailed, UsageError
 from lagrange.files.output import remove_left
@@ -64,12 +64,32 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
     outcome = simulate(plan, time.perf_counter() - began, path, options)
     if estimate is None or outcome is not Outcome.COMPLETE:
         return outcome
-    return _estimate(estimate, path, options.quiet)
+    # the coarser plan beside a finished run, and what its result may be off by
+    with stop_signals() as stopped:
+        try:
+            with progress_display(estimate.coarse, options.quiet) as show:
+                found = estimate.find(RunFile(path), show, lambda: bool(stopped))
+        except (RunFailed, UsageError) as error:  # UsageError: of a static equilibrium that is not found
+            return _ended(Outcome.ESTIMATE_FAILED, reason=error, path=path)
+    if stopped:
+        return _ended(Outcome.by(stopped, "ESTIMATE_"), path=path)
+    write_estimates(path, found, estimate.mesh_size)
+    rows = []
+    for each in found:
+        scale, unit = engineering(each.quantity.unit)
+        relative = f"{100 * each.relative:.2g} %" if each.relative < 1.0 else "-"
+        value, error = f"{scale * each.quantity.value:.5g} {unit}", f"{scale * each.error:.2g} {unit}"
+        rows.append((each.quantity.meaning, value, error, relative))
+    if not options.quiet:
+        with telling():
+            columns = "quantity", "value", "may be off by", "relative"
+            print_section(Section(title=estimate.title, columns=columns, rows=rows))
+    return Outcome.COMPLETE
 
 
 def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) -> Outcome:
-    """Run a plan into a result file, with a checkpoint each so many seconds (see `Checkpoints`). UsageError: there is
-    nothing to resume, or not by this plan; the file is in use. OSError: it can't be written."""
+    """Run a plan into a result file, with a checkpoint each so many seconds, unless given less often on slow disks.
+    UsageError: there is nothing to resume, or not by this plan; the file is in use. OSError: it can't be written."""
     try:
         state, stored = load_checkpoint(path, plan) if options.resume else (plan.first_state(), None)
     except RunFailed as error:
@@ -88,12 +108,28 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
             if not options.resume:
                 last.unlink(missing_ok=True)
             remove_left(last)
-            checkpoints = Checkpoints(path, state, store, options.checkpoint_seconds)
+            saved, cost, every = time.monotonic(), 0.0, options.checkpoint_seconds
+
+            def write(stored):  # the state of so many samples, or say that it can't be saved: the run goes on
+                try:
+                    save_checkpoint(path, state, stored)
+                    return True
+                except OSError as error:
+                    say(f"warning: {error.filename}: {error.strerror}; no checkpoint was saved, the run goes on")
+                    return False
+
+            def save():
+                nonlocal saved, cost
+                began = time.monotonic()
+                store.commit()
+                write(store.stored)
+                saved = time.monotonic()
+                cost = saved - began
 
             def restart(reason):  # saved before its file restarts; what can't be gone on from is removed
                 if not options.quiet:
                     say(reason)
-                if not checkpoints.write(Stored()):
+                if not write(Stored()):
                     last.unlink(missing_ok=True)
                 store.restart(**state.outcome_attributes)
 
@@ -103,10 +139,12 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
                     def watch(progress):
                         with suppress(OSError):  # a terminal that has gone is no reason to stop
                             show(progress)
-                        checkpoints.save_if_due()
+                        often = max(CHECKPOINT_SECONDS, cost / CHECKPOINT_SHARE) if every is None else every
+                        if time.monotonic() - saved > often:
+                            save()
 
                     run(plan, store.append, watch, lambda: bool(stopped), state, store.keep, restart)
-                checkpoints.save()
+                save()
                 if stopped and state.done < plan.n_samples:
                     outcome = Outcome.by(stopped)
             except RunFailed as error:
@@ -123,60 +161,6 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
             _print_run(state, path)
     reached = 1e3 * state.progress.simulated
     return _ended(outcome, reason=reason, path=path, time=reached, left=left(True))
-
-
-class Checkpoints:
-    """Saves the state of a run every so many seconds; None: every CHECKPOINT_SECONDS, less often on slow disks."""
-
-    def __init__(self, path: Path, state: RunState, store: ResultFile, every: float | None):
-        self._path, self._state, self._store, self._every = path, state, store, every
-        self._saved, self._cost = time.monotonic(), 0.0
-
-    def save_if_due(self) -> None:
-        often = max(CHECKPOINT_SECONDS, self._cost / CHECKPOINT_SHARE) if self._every is None else self._every
-        if time.monotonic() - self._saved > often:
-            self.save()
-
-    def save(self) -> None:
-        """Bring the state to the disk; where that fails, the last one that is there stays and the run goes on."""
-        began = time.monotonic()
-        self._store.commit()
-        self.write(self._store.stored)
-        self._saved = time.monotonic()
-        self._cost = self._saved - began
-
-    def write(self, stored: Stored) -> bool:
-        """Save the state of so many samples; False: it can't be saved."""
-        try:
-            save_checkpoint(self._path, self._state, stored)
-            return True
-        except OSError as error:
-            say(f"warning: {error.filename}: {error.strerror}; no checkpoint was saved, the run goes on")
-            return False
-
-
-def _estimate(estimate, path, quiet):
-    """Run the coarser plan beside a finished run and write what its result may be off by."""
-    with stop_signals() as stopped:
-        try:
-            with progress_display(estimate.coarse, quiet) as show:
-                found = estimate.find(RunFile(path), show, lambda: bool(stopped))
-        except (RunFailed, UsageError) as error:  # UsageError: of a static equilibrium that is not found
-            return _ended(Outcome.ESTIMATE_FAILED, reason=error, path=path)
-    if stopped:
-        return _ended(Outcome.by(stopped, "ESTIMATE_"), path=path)
-    write_estimates(path, found, estimate.mesh_size)
-    rows = []
-    for each in found:
-        scale, unit = engineering(each.quantity.unit)
-        relative = f"{100 * each.relative:.2g} %" if each.relative < 1.0 else "-"
-        value, error = f"{scale * each.quantity.value:.5g} {unit}", f"{scale * each.error:.2g} {unit}"
-        rows.append((each.quantity.meaning, value, error, relative))
-    if not quiet:
-        with telling():
-            columns = "quantity", "value", "may be off by", "relative"
-            print_section(Section(title=estimate.title, columns=columns, rows=rows))
-    return Outcome.COMPLETE
 
 
 def _ended(outcome, **facts):

@@ -36,6 +36,7 @@ from tests.waiting import no_endless_wait
 COARSE = ["--mesh-size", "2"]
 
 SINKING = "operation.radial_load_N = 20000.0\nnumerics.mesh_size_mm = 2.0\n[contact]\nmodel = 'penalty'\n"
+TEXTS = {"escapes": "\x1b[31mred\a\u202e", "half a character": "\udcff", "long": "x" * 100_000}
 
 
 @pytest.mark.parametrize("option", ["--quiet", pytest.param("--dry-run", marks=pytest.mark.slow)])
@@ -98,9 +99,6 @@ def test_a_reader_that_goes_or_a_full_disk_behind_the_output_is_no_failure_of_a_
 def test_what_is_printed_and_nothing_else_must_reach_its_disk_but_not_its_reader(option):
     assert shell("{} | true; exit ${{PIPESTATUS[0]}}", "run-fem", option) == (0, [])
     assert shell("{} > /dev/full", "run-fem", option) == (2, ["error: output: No space left on device"])
-
-
-TEXTS = {"escapes": "\x1b[31mred\a\u202e", "half a character": "\udcff", "long": "x" * 100_000}
 
 
 @pytest.mark.parametrize(("name", "text"), [

@@ -111,9 +111,7 @@ def test_a_damaged_entry_is_made_again_and_mended(damage, folder, meshed):
     ("lagrange.files.output.write_whole", PermissionError(13, "Permission denied")),
     ("lagrange.files.output.write_whole", OSError(30, "Read-only file system")), (None, None),  # a file is in its way
 ])  # fmt: skip
-def test_a_cache_that_cannot_be_written_costs_a_meshing_and_nothing_else(
-    place, refusal, folder, meshed, monkeypatch, tmp_path
-):
+def test_a_cache_that_cannot_be_written_costs_a_meshing(place, refusal, folder, meshed, monkeypatch, tmp_path):
     def refuse(*_, **__):
         raise refusal
 

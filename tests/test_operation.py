@@ -68,9 +68,7 @@ def test_a_smooth_function_goes_through_its_points_and_nowhere_beyond_them(seed)
     np.testing.assert_allclose(joined(time, line[:, None], "smooth")(time + 0.01)[:-1, 0], line[:-1] - 0.03, atol=1e-12)
 
 
-def test_the_shaft_turns_by_the_integral_of_its_speed_and_an_unbalance_is_a_mass_that_the_hub_accelerates(
-    tmp_path, capsys
-):
+def test_the_shaft_turns_by_the_integral_of_its_speed_and_an_unbalance_is_an_accelerated_mass(tmp_path, capsys):
     scene = scene_with(tmp_path, RUN_UP, speeds=RAMP)
     operation, bearing = scene.ideal_operation(), scene.ideal_bearing()
     assert operation.speed == pytest.approx(1000 * RPM)
@@ -334,10 +332,7 @@ numerics = {{ mesh_size_mm = 1, duration_ms = {}, output_interval_us = 20 }}
     quick=[("lagrange", 40000)],
 ))  # fmt: skip
 def test_an_unbalance_drives_a_circle(model, speed, mass, unbalance, error):
-    """F/(k − M ω²), k by statics: a preloaded bearing without load has the same stiffness in all directions.
-
-    Of elastic bodies by the exact series.
-    """
+    """F/(k − M ω²), k by statics, of elastic bodies by exact series: without load it is the same in all directions."""
     duration = 2 * 60.0 / speed if model == "lagrange" else 9e-3
     scene = parse_scene_text(f'model = "{model}"' + UNBALANCED.format(speed, mass, unbalance, 1e3 * duration), "")
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
@@ -401,17 +396,10 @@ def test_a_spalled_bearing_running_up_shows_its_lines_in_orders(tmp_path, capsys
     above = (found.envelope.frequency > 3.0) & (found.envelope.frequency < 7.5)
     assert found.envelope.frequency[above][np.argmax(found.envelope.psd[above])] == pytest.approx(5.087, abs=0.03)
     assert vibration_main([str(path), "--quiet"]) == 2 and "needs a run at constant speed" in capsys.readouterr().err
-
-
-@pytest.mark.slow
-def test_the_report_tells_orders(tmp_path):
-    keys = "model=lagrange", "numerics.duration_ms=200", "numerics.output_interval_us=20"
-    scene = scene_with(tmp_path, *keys, speeds="time_ms,speed_rpm\n0,3000\n200,9000\n")
-    assert run_scene(scene, tmp_path / "run.nc", RunOptions(quiet=True)).code == 0
-    assert check_main([str(tmp_path / "run.nc"), "--output", str(tmp_path / "report")]) == 0
+    assert check_main([str(path), "--output", str(tmp_path / "report")]) == 0
     orders = kit.read_json(tmp_path / "report/summary.json")["orders"]
-    assert "BPFO" in [peak["line"] for peak in orders["peaks_y"]]
-    assert orders["lines"]["FTF"] == pytest.approx(0.3913, abs=1e-4) and (tmp_path / "report/orders.png").exists()
+    assert "BPFO" in [peak["line"] for peak in orders["peaks_y"]] and (tmp_path / "report/orders.png").exists()
+    assert orders["lines"]["FTF"] == pytest.approx(0.3913, abs=1e-4)
 
 
 # The interval between samples that a scene gets which gives none

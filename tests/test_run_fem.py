@@ -268,20 +268,15 @@ def test_what_kicks_give_beyond_forces_is_what_the_hub_s_balance_misses_and_is_t
 @pytest.mark.slow
 def test_what_a_guide_s_kicks_give_the_hub_beyond_forces_is_told_too():
     """A cage of 50 g strikes the inner ring of a preloaded bearing with 380 N, and rollers hardly notice it."""
-    scene = parse_scene({
-        "model": "reduced", "bearing": {"outer_raceway_diameter_mm": 55.98},
-        "cage": {
-            "mass_kg": 0.05025, "guidance": "inner_ring", "guidance_clearance_mm": 0.02738,
+    cage = {"mass_kg": 0.05025, "guidance": "inner_ring", "guidance_clearance_mm": 0.02738, "damping_N_s_m": 0.2764,
             "pocket_clearance_mm": 0.4187, "friction_coefficient": 0.1025, "drag_torque_N_m": 0.6086,
-            "damping_N_s_m": 0.2764, "stiffness_N_per_m": 2.849e8,
-        },
-        "operation": {
-            "inner_ring_and_shaft_kg": 2.9256, "speed_rpm": 5963.9, "radial_load_N": 434.8, "rotating_load_N": 196.3,
-            "shaft": "springs", "shaft_stiffness_N_per_m": 6.218e6, "shaft_damping_N_s_m": 15.74,
-        },
-        "support": {"kind": "housing", "mass_kg": 3.58, "stiffness_N_per_m": 3.172e7, "damping_N_s_m": 240.7},
-        "numerics": {"duration_ms": 5.0, "output_interval_us": 2.0},
-    }, "")  # fmt: skip
+            "stiffness_N_per_m": 2.849e8}  # fmt: skip
+    operation = {"inner_ring_and_shaft_kg": 2.9256, "speed_rpm": 5963.9, "radial_load_N": 434.8, "shaft": "springs"}
+    operation |= {"rotating_load_N": 196.3, "shaft_stiffness_N_per_m": 6.218e6, "shaft_damping_N_s_m": 15.74}
+    support = {"kind": "housing", "mass_kg": 3.58, "stiffness_N_per_m": 3.172e7, "damping_N_s_m": 240.7}
+    tables = {"cage": cage, "operation": operation, "support": support, "bearing": {"outer_raceway_diameter_mm": 55.98}}
+    numerics = {"duration_ms": 5.0, "output_interval_us": 2.0}
+    scene = parse_scene({"model": "reduced", "numerics": numerics, **tables}, "")
     plan = make_plan(scene)
     state = plan.first_state()
     run(plan, lambda block: None, state=state)

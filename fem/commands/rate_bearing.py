@@ -80,7 +80,19 @@ def _rate(
     from fem.rating.answers import Options, rating
     from fem.rating.report import print_rating, write_json, write_page
 
-    steps = None if cycle is None else _cycle(cycle, decimal)
+    steps = None
+    if cycle is not None:  # a duty cycle from a file
+        from lagrange.files.input import plain_text
+        from lagrange.files.tables import columns as table_columns
+        from lagrange.load_history import UNITS
+        from lagrange.rating.life import DutyCycle
+
+        try:
+            loads, speeds, shares = table_columns(plain_text(cycle, LONGEST), CYCLE_COLUMNS, decimal, UNITS).T
+            steps = DutyCycle(loads=loads, speeds=speeds, shares=shares)
+        except ValueError as error:
+            reason = str(error).replace('decimal = ","', "--decimal ,")  # tables of scenes have it as a key
+            raise UsageError(f"--cycle {cycle}: {reason}") from None
     folder = Path() if output is None else output
     folder.mkdir(parents=True, exist_ok=True)
     rated = rating(
@@ -109,20 +121,6 @@ def _rate(
             for path in written:
                 print(f"wrote {shown(path)}")
     return 0
-
-
-def _cycle(path: Path, decimal: str):  # A duty cycle from a file
-    from lagrange.files.input import plain_text
-    from lagrange.files.tables import columns
-    from lagrange.load_history import UNITS
-    from lagrange.rating.life import DutyCycle
-
-    try:
-        loads, speeds, shares = columns(plain_text(path, LONGEST), CYCLE_COLUMNS, decimal, UNITS).T
-        return DutyCycle(loads=loads, speeds=speeds, shares=shares)
-    except ValueError as error:
-        reason = str(error).replace('decimal = ","', "--decimal ,")  # tables of scenes have it as a key
-        raise UsageError(f"--cycle {path}: {reason}") from None
 
 
 rate_main = partial(run_app_main, rate_app)

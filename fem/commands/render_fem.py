@@ -72,8 +72,7 @@ def _render(
             raise UsageError(f"{option} {value:g}: must lie between {low:g} and {high:g}{unit}")
     _check_targets(output, animation, export)
     kind = "" if export is None else export.suffix.lower()
-    many = animation is not None or kind == SERIES
-    span = start is not None or stop is not None or frames is not None
+    many, span = animation is not None or kind == SERIES, start is not None or stop is not None or frames is not None
     for wrong, words in (
         (kind in SIGNALS and (span or time is not None),
          "--time, --start, --stop, --frames: accelerations cover the whole run; leave them out"),

@@ -63,15 +63,24 @@ def _run(
         quiet: show no progress and no summary
     """
     if example is not None:
-        return _write_example(example, output, force)
+        from fem.examples import write_example
+        from lagrange.messages import shown
+
+        written, *others = write_example(example, output, force)
+        for file in (written, *others):
+            print(f"wrote {shown(file)}")
+        checked = (
+            f"check-residual {shown(others[0])} --scene {shown(written)}" if others else f"run-fem {shown(written)}"
+        )
+        print(f"next: {checked}")
+        return 0
     from lagrange.scene import scene as scenes
 
     if schema:
         print(json.dumps(scenes.Scene.model_json_schema(), indent=1, ensure_ascii=False))
         return 0
 
-    settings = set or []
-    keys = {"model": model, "numerics.mesh_size_mm": mesh_size, "numerics.duration_ms": duration}
+    settings, keys = set or [], {"model": model, "numerics.mesh_size_mm": mesh_size, "numerics.duration_ms": duration}
     given = (f"{key}={value}" for key, value in keys.items() if value is not None)
     chosen = scenes.read_scene(scene, (*standard_bearing(bearing), *settings, *given))
     path = output if output is not None else RUNS / f"{result_name(chosen.name, settings)}.nc"
@@ -91,18 +100,6 @@ def _run(
         refuse_another_run(path, chosen)
     options = RunOptions(resume=resume, quiet=quiet, estimate_error=estimate_error, checkpoint_seconds=checkpoint)
     return run_scene(chosen, path, options).code
-
-
-def _write_example(name, path, force):
-    from fem.examples import write_example
-    from lagrange.messages import shown
-
-    scene, *others = write_example(name, path, force)
-    for file in (scene, *others):
-        print(f"wrote {shown(file)}")
-    checked = f"check-residual {shown(others[0])} --scene {shown(scene)}" if others else f"run-fem {shown(scene)}"
-    print(f"next: {checked}")
-    return 0
 
 
 def result_name(scene_name: str, settings: Sequence[str]) -> str:

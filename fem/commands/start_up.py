@@ -133,8 +133,7 @@ def _display(total, quiet):
             nonlocal last, first
             first = done if first is None else min(first, done)
             if (now := time.monotonic()) - last > PLAIN_SECONDS:
-                last = now
-                left = (total - done) * (now - began) / max(done - first, 1)
+                last, left = now, (total - done) * (now - began) / max(done - first, 1)
                 print(f"{words}, {left:.0f} s left", file=sys.stderr, flush=True)
 
         yield show

@@ -195,8 +195,7 @@ def _naming_the_file(method):  # writeFailed with the file's name, when the disk
         except WriteFailed:
             raise
         except (OSError, RuntimeError) as error:  # HDF5's own come as either
-            number = getattr(error, "errno", None) or 0
-            reason = getattr(error, "strerror", None) or str(error)
+            number, reason = getattr(error, "errno", None) or 0, getattr(error, "strerror", None) or str(error)
             if "HDF5" in reason or "(" in reason:  # its words, with addresses
                 reason = os.strerror(number) if number else reason.partition(" (")[0]
             raise WriteFailed(number, reason, str(self.path)) from error
@@ -274,8 +273,7 @@ class ResultFile(AbstractContextManager):
             part = new_part(self.path)
             undo.callback(part.unlink, missing_ok=True)
             places = self._lay_out(part, max(1, capacity))  # HDF5 gives nothing no place
-            checksums = {name: stored.checksums.get(name, 0) for name in self._variables}
-            handle = _open_locked(part)
+            checksums, handle = {name: stored.checksums.get(name, 0) for name in self._variables}, _open_locked(part)
             try:
                 if stored.samples and self._copy(handle, places, stored.samples) != checksums:
                     raise UsageError(f"{self.path}: damaged: its samples are not those that were written; start again")
@@ -384,9 +382,7 @@ class ResultFile(AbstractContextManager):
             return self._handle is not None and os.path.samestat(os.fstat(self._handle), os.stat(self.path))
         return False
 
-    @property
-    def stored(self) -> Stored:  # what is in the file; on the disk after a `commit`
-        return Stored(samples=self._count, checksums=dict(self._checksums))
+    stored = property(lambda self: Stored(samples=self._count, checksums=dict(self._checksums)))
 
     @_naming_the_file
     def append(self, samples: Mapping[str, np.ndarray]) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from math import pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,8 +30,7 @@ SAFETY = 1.25  # Roache's factor where the order is known: tests.convergence obs
 NEEDED = ("time", "inner_x", "inner_y", "inner_force", "roller_theta")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Estimate:
+class Estimate(NamedTuple):
     """A quantity on the scene's mesh and on the coarser one, and the error of the first."""
 
     quantity: Quantity
@@ -57,8 +57,7 @@ def coarser_scene(scene: Scene) -> Scene:
     UsageError: the scene's mesh is too coarse for that, or its contact model converges to nothing.
     """
     _refuse_comparisons(scene, "--estimate-error")
-    size = scene.numerics.mesh_size_mm
-    coarsest = pi * scene.bearing.roller_diameter_mm / 10.0
+    size, coarsest = scene.numerics.mesh_size_mm, pi * scene.bearing.roller_diameter_mm / 10.0
     coarser = min(COARSER * size, coarsest)
     if coarser < LEAST_COARSER * size:
         raise UsageError(
@@ -147,8 +146,7 @@ def error_estimate(plan: Plan) -> ErrorEstimate:
 MESHES = 2.0, sqrt(2.0), 1.0  # mesh sizes over the finest
 
 
-@dataclass(frozen=True, kw_only=True)
-class Mesh:
+class Mesh(NamedTuple):
     """The bearing at rest on one mesh."""
 
     size: float  # mm, between surface nodes
@@ -156,8 +154,7 @@ class Mesh:
     quantities: tuple[Quantity, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
-class MeshTable:
+class MeshTable(NamedTuple):
     """Meshes from coarse to fine."""
 
     meshes: tuple[Mesh, ...]
@@ -170,8 +167,7 @@ class MeshTable:
         Source: Roache, Perspective: a method for uniform reporting of grid refinement studies (1994); order 2.
         """
         coarse, fine = self.meshes[0], self.meshes[-1]
-        grown = (coarse.size / fine.size) ** ORDER - 1.0
-        pairs = zip(coarse.quantities, fine.quantities, strict=True)
+        grown, pairs = (coarse.size / fine.size) ** ORDER - 1.0, zip(coarse.quantities, fine.quantities, strict=True)
         return tuple(f.value + (f.value - c.value) / grown for c, f in pairs)
 
 
@@ -208,8 +204,7 @@ def mesh_table(scene: Scene) -> MeshTable:
 MOST_COMPARED = 100_000  # nodes of meshes that are made only to compare models with: some seconds
 
 
-@dataclass(frozen=True, kw_only=True)
-class Choice:
+class Choice(NamedTuple):
     """A model for a scene."""
 
     model: str  # the scene's name of it

@@ -180,9 +180,9 @@ class Judge:
         met, names = self.met, ("energy_kinetic", "energy_shaft", "energy_support")
         moved = np.sum([samples[name] for name in names if samples.get(name) is not None], axis=0)
         forces = np.fmax(samples["inner_force"].max(axis=1), samples["outer_force"].max(axis=1))
-        for name in ("inner_force", "outer_force", "energy_contact"):
-            met[name] = max(met[name], float(np.abs(samples[name]).max()))
-        met["energy_error"] = max(met["energy_error"], float(np.abs(samples.imbalance).max()))
+        for name in ("inner_force", "outer_force", "energy_contact", "energy_error"):
+            values = samples.imbalance if name == "energy_error" else samples[name]
+            met[name] = max(met[name], float(np.abs(values).max()))
         met["least_moved"] = min(met["least_moved"], float(moved.min()))
         met["largest_moved"] = max(met["largest_moved"], float(moved.max()))
         met["dissipated"] = float(samples["work_dissipated"][-1])
@@ -320,8 +320,7 @@ def frequency_error(bearing: Bearing, hub_mass: float, omega: float, least: floa
 def vibration_warning(bearing: Bearing, hub_mass: float, sums: np.ndarray) -> str | None:
     """A sentence where the hub's vibration is off by more than LARGEST_ERROR of its displacement."""
     count = max(sums[COUNT], 1.0)
-    size = sqrt(sums[SQUARE] / count)
-    still = hypot(sums[X], sums[Y]) / count
+    size, still = sqrt(sums[SQUARE] / count), hypot(sums[X], sums[Y]) / count
     vibrates = sqrt(max(size**2 - still**2, 0.0)) / max(size, NOTHING)
     if size < NOTHING or sums[VELOCITY] == 0.0 or vibrates < LARGEST_ERROR:
         return None

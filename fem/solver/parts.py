@@ -60,8 +60,7 @@ def housing_of(
     housing, sensor, sizes = mounting.housing, mounting.sensor, {"width": 0 if ring is None else ring.u.shape[2]}
     if housing is None:
         return None
-    mass = float(housing.mass + carried)
-    resonator = None
+    mass, resonator = float(housing.mass + carried), None
     if sensor is not None:
         steps = {name: np.ascontiguousarray(sensor.step(t)) for name, t in (("step", dt), ("half_step", 0.5 * dt))}
         resonator = filled(Resonator, {}, sensor, **steps)
@@ -229,8 +228,7 @@ def cage_springs(bearing: Bearing, cage: Cage | None, operation: Operation) -> t
     from fem.contacts.critical_step import EVENLY  # and with it scipy.sparse, which runs without a cage save
 
     spring, n, pitch = EVENLY * cage.stiffness, bearing.n_rollers, bearing.pitch_radius
-    guided = cage.guidance != "rollers"
-    housing = operation.mounting.housing
+    guided, housing = cage.guidance != "rollers", operation.mounting.housing
     guiding = {"inner_ring": operation.inner_mass, "outer_ring": inf if housing is None else housing.mass}
     of_bearing = spring / min(bearing.roller_mass, guiding.get(cage.guidance, inf))
     of_cage = spring * (n * (1.0 / cage.mass + pitch**2 / cage.inertia) + (1.0 / cage.mass if guided else 0.0))

@@ -52,8 +52,7 @@ def run(
     state.stop = stop
     size = 1
     while state.done < plan.n_samples and not stop():
-        before = state.wall
-        block = state.advance(min(size, plan.n_samples - state.done))
+        before, block = state.wall, state.advance(min(size, plan.n_samples - state.done))
         if block.frame is not None:
             keep(block.frame)
         if block.samples is not None:

@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, KeysView, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -85,8 +85,7 @@ class Frame:
     outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to its held circle or its bore
 
 
-@dataclass(frozen=True, kw_only=True)
-class Block:
+class Block(NamedTuple):
     """What an advance gives."""
 
     samples: Samples | None = None
@@ -95,8 +94,7 @@ class Block:
     restarts: str | None = None  # why all samples so far are void and the run goes on from its start
 
 
-@dataclass(frozen=True, kw_only=True)
-class Progress:
+class Progress(NamedTuple):
     """Where a run stands."""
 
     samples: int
@@ -156,12 +154,8 @@ class RunState(ABC):
         warnings = "\n".join((*self.plan.warnings, *self.warnings))
         return {"steps": self.progress.steps, "wall_seconds": self.wall, "warnings": warnings}
 
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Warnings of the run, printed at its end and kept in the result file with the plan's."""
-        return ()
-
-    notices = property(lambda self: ())  # Notes of the run, printed at its end even with --quiet
+    warnings = property(lambda self: ())  # of the run, printed at its end and kept in the result file with the plan's
+    notices = property(lambda self: ())  # of the run, printed at its end even with --quiet
 
     @property
     def progress(self) -> Progress:
@@ -189,13 +183,9 @@ class Plan(ABC):
     notices: tuple[str, ...] = ()  # shown at the start even to those who want quiet, since the file does not keep them
     model_name: str  # "finite elements"
     lacks: str  # what the model leaves out of a bearing
+    expected_seconds: float  # of the time loop, on one thread of a 2024 server core; only a guide
 
     interval = property(lambda self: 1e-6 * self.scene.numerics.output_interval_us)  # Between samples, s
-
-    @property
-    @abstractmethod
-    def expected_seconds(self) -> float:
-        """Of the time loop, on one thread of a 2024 server core; only a guide."""
 
     @abstractmethod
     def static_hub(self) -> np.ndarray:

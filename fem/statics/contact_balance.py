@@ -267,8 +267,7 @@ def _convex(held):
             and product <= BARELY * scale * radius
         ):
             return moved, force
-        barrier = SHRINK * product
-        soft = held.compliance + np.diag(law.softness(force) + gap / force)
+        barrier, soft = SHRINK * product, held.compliance + np.diag(law.softness(force) + gap / force)
         solved = np.linalg.solve(soft, np.column_stack([directions, apart + barrier / force - gap]))
         step = np.linalg.solve(springs + directions.T @ solved[:, :-1], unbalanced - directions.T @ solved[:, -1])
         force_step = solved[:, :-1] @ step + solved[:, -1]

@@ -2,7 +2,8 @@
 
 The contact model reduces the bodies to points of the contacts, which `contact_balance` balances."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,8 +19,7 @@ from lagrange.motion import HubTilt
 from lagrange.statics import Elastic, Statics
 
 
-@dataclass(frozen=True, kw_only=True)
-class Equilibrium:
+class Equilibrium(NamedTuple):
     """Positions, contact forces and elastic displacements; m and N."""
 
     hub: np.ndarray  # (2,)
@@ -35,8 +35,7 @@ class Equilibrium:
     forces = property(lambda self: np.concatenate([self.inner_force, self.outer_force]))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Tilting:
+class Tilting(NamedTuple):
     """What balances a bearing of rollers that tilt in place of `contact_balance.balance`. Meshes bear no moments."""
 
     operation: Operation  # at an instant
@@ -47,7 +46,7 @@ class Tilting:
 
     def at(self, acting: Operation, ring: np.ndarray) -> "Tilting":
         """The same under what acts at an instant, with the outer ring's centre at a place, (2,), m."""
-        return replace(self, operation=acting, ring=ring)
+        return self._replace(operation=acting, ring=ring)
 
     def found(self, contacts: Condensed, place: np.ndarray) -> Statics:
         """The equilibrium near hub and radii at a place, (n_rollers + 2,), m. NotFound: there is none."""

@@ -57,7 +57,7 @@ def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:
     radial = np.column_stack([np.cos(angle), np.sin(angle)])
     if bearing.missing:
         whole = exact_contacts(bearing.full, roller_angles(bearing.full, 0.0))
-        compliance = of_present(bearing, whole.compliance)
+        compliance = _of_present(bearing, whole.compliance)
         return replace(whole, bearing=bearing, radial=radial, compliance=compliance, closing=closing)
     half_width, length, roller = HALF_WIDTH * bearing.roller_radius, bearing.roller_length, roller_section(bearing)
     single, squeezed = hertz_approach(roller, half_width), hertz_approach(roller.squeezed, half_width)
@@ -65,8 +65,7 @@ def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:
     for k, (ring, pair) in enumerate(zip(ring_sections(bearing), contact_pairs(bearing), strict=False)):
         loaded = _loaded_ring(ring, half_width)
         for shift in range(1, n // 2 + 1):  # equally spaced: one value per distance
-            value = series.patch_displacement(*loaded, 1.0, ring.loaded, angle[shift] - angle[0])
-            to = (j + shift) % n
+            value, to = series.patch_displacement(*loaded, 1.0, ring.loaded, angle[shift] - angle[0]), (j + shift) % n
             compliance[k * n + j, k * n + to] = compliance[k * n + to, k * n + j] = value
         approach = (hertz_approach(ring, half_width) + single) / length
         laws.append(ContactLaw.of_approach(approach, half_width, pair))
@@ -77,7 +76,7 @@ def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:
     )  # fmt: skip
 
 
-def of_present(bearing: Bearing, compliance: np.ndarray) -> np.ndarray:
+def _of_present(bearing, compliance):
     """Compliance of the contacts of a bearing's rollers, (2 n_rollers, 2 n_rollers), of those of all pockets."""
     contacts = np.concatenate([bearing.pocket, bearing.pockets + np.array(bearing.pocket)])
     return compliance[np.ix_(contacts, contacts)]
@@ -197,8 +196,7 @@ FAINT_CHANGE = 1e-4  # of a contact's own compliance: what changes less over tha
 FAINT_TRACTION = 5e-3  # of a contact's own compliance: a neighbour's traction, a tenth of a force at most, likewise
 
 
-@dataclass(frozen=True, kw_only=True)
-class RingCouplings:
+class RingCouplings(NamedTuple):
     """Compliances by neighbours, polynomials of how much further than at equal angles these are."""
 
     distance: np.ndarray  # (neighbours,), in rollers: −1, 1, −2 ...
@@ -221,7 +219,7 @@ def _neighbours(n):
     return np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
 
 
-def ring_couplings(bearing: Bearing, around: np.ndarray, crossed: np.ndarray, own: float) -> RingCouplings:
+def _ring_couplings(bearing, around, crossed, own):
     """Couplings by the rings' series, see `_kept_series`; `own` : m/N, compliance of a contact, over ln Q."""
     h, distance = strays(bearing.n_rollers), _neighbours(bearing.n_rollers)
     ahead, far = distance > 0, np.abs(distance) - 1
@@ -230,8 +228,7 @@ def ring_couplings(bearing: Bearing, around: np.ndarray, crossed: np.ndarray, ow
     slope = np.where(ahead, slope, -slope[:, ::-1])
     along, steep = given[:, 1], slope[:, 1]
     # coefficients of x² to x⁵ of the polynomials with these values and slopes at −h, 0, h
-    even = 0.5 * (given[:, 2] + given[:, 0]) - along
-    odd = 0.5 * (given[:, 2] - given[:, 0]) - h * steep
+    even, odd = 0.5 * (given[:, 2] + given[:, 0]) - along, 0.5 * (given[:, 2] - given[:, 0]) - h * steep
     of_even, of_odd = 0.5 * h * (slope[:, 2] - slope[:, 0]), h * (0.5 * (slope[:, 2] + slope[:, 0]) - steep)
     fourth, fifth = 0.5 * of_even - even, 0.5 * of_odd - 1.5 * odd
     bent = np.stack([(even - fourth) / h**2, (odd - fifth) / h**3, fourth / h**4, fifth / h**5], axis=1)
@@ -244,8 +241,7 @@ def ring_couplings(bearing: Bearing, around: np.ndarray, crossed: np.ndarray, ow
         return [int(np.flatnonzero(row > limit * own).max(initial=-1)) + 1 for row in values]
 
     count, pulled = reach(np.abs(along), FAINT), reach(np.abs(crossed), FAINT_TRACTION)
-    near = np.minimum(reach(changed, FAINT_CHANGE), count)
-    kept = slice(max(count + pulled))
+    near, kept = np.minimum(reach(changed, FAINT_CHANGE), count), slice(max(count + pulled))
     along, steep, bent, crossed = (np.ascontiguousarray(array[..., kept]) for array in (along, steep, bent, crossed))
     return RingCouplings(
         distance=distance[kept], counts=np.array([near, count], dtype=np.intp).T.copy(), along=along, steep=steep,
@@ -261,8 +257,7 @@ def neighbours_of(bearing: Bearing, rings: RingCouplings) -> tuple[RingCouplings
     n, total, pocket = bearing.n_rollers, bearing.pockets, np.array(bearing.pocket)
     every = _neighbours(n)
     distance = every[np.abs(every) <= np.abs(rings.distance).max(initial=0)]
-    apart = pocket[(np.arange(n) + distance[:, None]) % n] - pocket
-    below = (total - 1) // 2
+    apart, below = pocket[(np.arange(n) + distance[:, None]) % n] - pocket, (total - 1) // 2
     apart = (apart + below) % total - below  # the shorter way
     at = np.full(apart.shape, -1)
     for place, pockets in enumerate(rings.distance):
@@ -273,7 +268,7 @@ def neighbours_of(bearing: Bearing, rings: RingCouplings) -> tuple[RingCouplings
         return np.sum(np.abs(distance) <= np.abs(rings.distance[:count]).max(initial=0))
 
     counted = np.vectorize(as_far, otypes=[np.intp])
-    return replace(rings, distance=distance, counts=counted(rings.counts), crossing=counted(rings.crossing)), at
+    return rings._replace(distance=distance, counts=counted(rings.counts), crossing=counted(rings.crossing)), at
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -321,7 +316,7 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics, gravity: float = 0.0) 
     return ReducedBearing(
         contacts=replace(contacts, closing=closing, inner_law=inner, outer_law=outer), between=between,
         across=float(contacts.compliance[0, n]),
-        rings=ring_couplings(bearing.full, found["around"], found["crossed"], inner.A),
+        rings=_ring_couplings(bearing.full, found["around"], found["crossed"], inner.A),
         inner_growth=inner_growth, roller_growth=roller_growth, outer_growth=of_outer,
         sag=tuple(series.weight_sag(ring, gravity) for ring in ring_sections(bearing)),
     )  # fmt: skip
@@ -357,7 +352,7 @@ def kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
     inner, outer, between = (ContactLaw(A=A, B=B, Q_line=line, pair=pair) for (A, B, line), pair in constants)
     contacts = Condensed(
         bearing=bearing, radial=np.column_stack([np.cos(angle), np.sin(angle)]), inner_law=inner, outer_law=outer,
-        compliance=of_present(bearing, arrays["compliance"]),
+        compliance=_of_present(bearing, arrays["compliance"]),
         closing=np.zeros(2 * bearing.n_rollers),
     )  # fmt: skip
     return contacts, between
@@ -373,8 +368,7 @@ def _kept_series(bearing):
     """Series and laws, the last bearing's kept in memory: scenes that follow differ in speed, load or faults."""
 
     def make():
-        found = exact_contacts(bearing, roller_angles(bearing, 0.0))
-        width = HALF_WIDTH * bearing.roller_radius
+        found, width = exact_contacts(bearing, roller_angles(bearing, 0.0)), HALF_WIDTH * bearing.roller_radius
         each = hertz_approach(roller_section(bearing).elastic, width)  # of two rollers, accelerated by the other
         between = ContactLaw.of_approach(2.0 * each / bearing.roller_length, width, contact_pairs(bearing)[2])
         laws = found.inner_law, found.outer_law, between
@@ -400,8 +394,7 @@ def tangential_compliance(bearing: Bearing, force: float) -> np.ndarray:
     Errors: known exactly for one half-width, from which it goes with the logarithm: 0.1 % off at half-widths of 5 % of
     a roller's radius.
     """
-    known = HALF_WIDTH * bearing.roller_radius
-    found = _kept_series(_sound(bearing))["stick"].copy()
+    known, found = HALF_WIDTH * bearing.roller_radius, _kept_series(_sound(bearing))["stick"].copy()
     for row, pair in enumerate(contact_pairs(bearing)):
         width = min(pair.half_width(force), 0.5 * bearing.roller_radius)
         found[row] += pair.line_compliance * log(known / width)

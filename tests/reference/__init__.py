@@ -1,7 +1,7 @@
 """What tests and verification hold the program against.
 
 kit                 bearings, loads, short runs, commands and files that tests share
-compiled            kernels called from Python, states of contacts, runs of the Lagrangian model, a toy solver
+compiled            kernels called from Python, states of contacts, runs of the Lagrangian model
 forward_motion      equations of motion derived by sympy, and solved by scipy
 continua            points that touch, half-planes and half-spaces, line contacts, edges, Navier's equations, Stribeck's
 modes               free vibration of discs and rings, a disc thrown at a flat, rings in bores, rocking rollers: exact

@@ -12,7 +12,7 @@ from math import expm1
 import numba
 import numpy as np
 
-from fem.contacts.model import KernelData, Model, Motion
+from fem.contacts.model import Model, Motion
 from fem.contacts.subgrid import SubgridModel
 from fem.contacts.tilted import MeshedContact, rounded_range
 from fem.elastic import bodies
@@ -237,9 +237,7 @@ REACH = 0.01  # of a roller's radius
 REACH_OF_LOOSE = 0.1  # the same where an outer ring bends or moves as a whole; twice what guards let rollers go
 
 
-def pair_groups(
-    model: Model, rings: tuple[Ring, Ring], drive: Drive, housing: Housing | None, data: KernelData, columns: int
-) -> tuple:
+def _pair_groups(model, rings, drive, housing, data, columns):
     """All pairs of bodies that may touch, in groups of one type. `housing`: of the outer ring; None: the ground."""
     bearing, (hub, ground), nowhere = model.bearing, (model.inner_ring, model.outer_ring), np.zeros(2)
     held_at, pushed = (nowhere, np.zeros(2)) if housing is None else (housing.place, housing.impulse)
@@ -275,21 +273,7 @@ def pair_groups(
     return tuple(tuple(group) for _, group in groupby((on_inner, on_outer, between), key=numba.typeof))
 
 
-def disc_surface(model: Model, rollers: Rollers, disc: Disc, data: KernelData) -> DiscSurface | state.RigidDisc:
-    """What contacts see of rollers."""
-    body, ripple = model.roller, data.ripples[ROLLER]
-    if body.material.rigid:
-        return filled(state.RigidDisc, {}, rollers)
-    masses = np.append(disc.mass, np.resize(disc.mass[body.first_surface_node :], WIDTH))
-    known = {"inverse_mass": at_line(1.0 / masses), "ripple": at_line(with_seam(ripple))}
-    n = body.shape.surface_nodes
-    return filled(DiscSurface, {}, disc, rollers, **known, impulse=rollers.node_impulse, n_nodes=n)
-
-
-def contact_arrays(
-    model: Model, operation: Operation, start: Start, data: KernelData, friction: float, mass: ReciprocalMass,
-    columns: int,
-) -> Contacts:  # fmt: skip
+def _contact_arrays(model, operation, start, data, friction, mass, columns):
     """Contacts at the start, with its static forces. `mass` : of nodes.
 
     ValueError: long steps, in which velocities are not momenta's, and friction that is solved for by these.
@@ -338,8 +322,7 @@ def _reach(model, operation):
         if fastest := float(np.abs(speeds).max()):
             growth = max(growth, float(np.abs(ring.held(ring.body_load(0.0, 0.0, fastest))).max()))
     spin = np.abs(met.roller).max()
-    swelling = disc.relaxed(spin**2 * (disc.mass[:, None] * disc.points).ravel())
-    surfaces = profiles(model.bearing)
+    swelling, surfaces = disc.relaxed(spin**2 * (disc.mass[:, None] * disc.points).ravel()), profiles(model.bearing)
     highest = 0.0 if surfaces is None else surfaces.highest
     reach = REACH_OF_LOOSE if isinstance(model.outer_ring, LooseRing) else REACH
     return reach * disc.shape.radius + 2.0 * float(growth + np.abs(swelling).max()) + highest
@@ -367,7 +350,7 @@ def make_arrays(
         slowing=slowing.waves, calming=slowing.velocities / float(dt), ramp=ramp,
         history=parts.history_arrays(model.bearing, operation),
     )  # fmt: skip
-    contacts = contact_arrays(model, operation, start, data, friction, mass, columns)
+    contacts = _contact_arrays(model, operation, start, data, friction, mass, columns)
     if not hub.material.rigid:
         places, rates = (around.inner_ring, drive.hub), (start.inner_rate, start.hub_velocity)
         momenta = _place_ring(hub, inner, places, rates, operation.speed, chord, slowing)
@@ -395,10 +378,16 @@ def make_arrays(
     copies = {"rollers_w": disc.w, "rollers_velocity": rollers.velocity, "inner_w": inner.w, "outer_w": outer.w}
     copies = {name: np.zeros_like(array) for name, array in copies.items()}
     sizes = {"columns": columns, "inner": inner.u.shape[2], "outer": outer.u.shape[2]}
-    surface = disc_surface(model, rollers, disc, data)
+    if body.material.rigid:
+        surface = filled(state.RigidDisc, {}, rollers)
+    else:
+        masses = np.append(disc.mass, np.resize(disc.mass[body.first_surface_node :], WIDTH))
+        known = {"inverse_mass": at_line(1.0 / masses), "ripple": at_line(with_seam(data.ripples[ROLLER]))}
+        known |= {"impulse": rollers.node_impulse, "n_nodes": body.shape.surface_nodes}
+        surface = filled(DiscSurface, {}, disc, rollers, **known)
     return Arrays(
         bodies=Bodies(rollers=rollers, disc=disc, surface=surface, inner=inner, outer=outer, others=others),
-        groups=pair_groups(model, (inner, outer), drive, housing, data, columns), contacts=lined_up(contacts),
+        groups=_pair_groups(model, (inner, outer), drive, housing, data, columns), contacts=lined_up(contacts),
         drive=drive, scratch=lined_up(filled(state.Scratch, sizes, **copies)),
     )  # fmt: skip
 

@@ -114,7 +114,7 @@ class ElementState(RowState):
         block, pairs = super().advance(most), (pair for group in self.arrays.groups for pair in group)
         laws = [pair.law for pair in pairs if isinstance(getattr(pair, "law", None), SlicedLaw)]
         beyond = beyond_tables(laws[0].axes.tilts, [law.table for law in laws]) if laws else None
-        return block if block.trouble or beyond is None else replace(block, trouble=f"{beyond}; {LESS}")
+        return block if block.trouble or beyond is None else block._replace(trouble=f"{beyond}; {LESS}")
 
     def frame(self):
         return elements.frame_of(self.plan.model, self.arrays, self.done, self.plan.interval)

@@ -47,7 +47,7 @@ def _softness_below(model, force):
     return softness(force), force
 
 
-def strongest_coupling(model: ReducedBearing, force: float) -> float:
+def _strongest_coupling(model, force):
     """Largest eigenvalue, >= 0, of what forces along the rings give, over rollers' own softness under a force, N.
 
     Of all contacts closed; of fewer it is no larger.
@@ -60,7 +60,7 @@ def strongest_coupling(model: ReducedBearing, force: float) -> float:
 
 
 def relaxation_factor(coupling: float) -> float:
-    """Relaxation factor of the coupled force increments, by their `strongest_coupling`.
+    """Relaxation factor of the coupled force increments, by their `_strongest_coupling`.
 
     1, which leaves −λ³ of the predictor's error and diverges from a third on; or, of strong couplings,
     as much as leaves −LEFT, λ²(1 − share (1 + λ)).
@@ -71,8 +71,7 @@ def relaxation_factor(coupling: float) -> float:
 def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray, operation: Operation) -> float:
     """2/ω_max, s, with all contacts closed under a force, N, that stick: of a roller."""
     bearing, (soft, force) = model.bearing, _softness_below(model, force)
-    stiff = np.linalg.inv(soft)
-    pushed = np.array([-1.0, 1.0])
+    stiff, pushed = np.linalg.inv(soft), np.array([-1.0, 1.0])
     radial = float(pushed @ stiff @ pushed) + 2.0 / float(model.between.softness(force))
     # of a traction the roller's own surface gives way by 3/m, and the other contact's by −1/m
     rocking = 4.0 / float(tangential.min())
@@ -200,7 +199,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     warnings = plan_warnings(scene, model, operation, loaded, interval, start.warning)
     return ReducedPlan(
         scene=scene, model=model, operation=operation, tangential=tangential,
-        relaxation_factor=relaxation_factor(strongest_coupling(model, met)),
+        relaxation_factor=relaxation_factor(_strongest_coupling(model, met)),
         waves=unseen_waves(bearing, operation.inner_mass),
         strikes=scene.cage is not None or may_strike(scene, bearing, operation), start=start, tables=tables,
         largest_force=largest, seat=cage_seat(bearing, cage, start.angle, start.place, float(start.forces.max())),

@@ -2,9 +2,7 @@
 
 import hashlib
 from abc import abstractmethod
-from dataclasses import replace
 from math import inf, pi
-from typing import Any
 
 import numpy as np
 
@@ -25,12 +23,10 @@ from fem.solver.rigid.plan import RigidPlan, spalls_met
 from fem.solver.row_state import RowState, collect_arrays, row_width
 from fem.solver.solver import ROUND_OFF, Block, Numbers
 from fem.solver.start import Tables
-from fem.statics.exact_statics import ReducedBearing, neighbours_of
-from lagrange import Bearing, Operation
+from fem.statics.exact_statics import neighbours_of
+from lagrange import Bearing
 from lagrange.axial.slices import Axial, contact_tables, steepest_slope
-from lagrange.bearing import Cage
-from lagrange.contact.damping import ContactDamping
-from lagrange.contact.laws import LogarithmicLaw, PowerLaw
+from lagrange.contact.laws import PowerLaw
 from lagrange.equations import THROUGH, touching_distances
 from lagrange.first_state import Problem
 from lagrange.fits import growths, outer_growth
@@ -45,17 +41,14 @@ BODIES = {"inner_ring": paces.ON_INNER_RING, "outer_ring": paces.ON_OUTER_RING, 
           "outside": paces.OUTSIDE}  # fmt: skip
 CALM = 3e-5  # of the energy of load and strike: what a change to longer steps may miss
 STEADY = 4.0  # times what rollers on their circles have of that: less is no vibration
-Sides = tuple[np.ndarray | None, np.ndarray | None]  # (n_rollers,) each, of inner and outer contacts
 
 
-def columns_for(n_rollers: int) -> int:
+def _columns_for(n_rollers):
     """Lanes for so many rollers, in whole registers."""
     return -(-n_rollers // WIDTH) * WIDTH
 
 
-def rigid_bodies(
-    bearing: Bearing, operation: Operation, cage: Cage | None, dt: float, placed: dict[str, np.ndarray], **of_model: Any
-) -> RigidBodies:
+def _rigid_bodies(bearing, operation, cage, dt, placed, **of_model):
     """Everything that moves; `of_model` : fields that only the model knows.
 
     cage : one that moves freely
@@ -63,7 +56,7 @@ def rigid_bodies(
         (n_rollers,), rad; `hub` and `hub_velocity`, (2,); `centre` and `velocity`, (2, n_rollers); `ring` and
         `ring_velocity`, (2,), of the outer ring in its housing; `cage` and `cage_velocity`, (2,), of a free cage
     """
-    n, mounting, columns = bearing.n_rollers, operation.mounting, columns_for(bearing.n_rollers)
+    n, mounting, columns = bearing.n_rollers, operation.mounting, _columns_for(bearing.n_rollers)
     hub, hub_velocity, mass = placed["hub"].copy(), placed["hub_velocity"].copy(), float(operation.inner_mass)
     housing = parts.housing_of(mounting, bearing.outer_ring_mass, None, placed["ring"], dt, row_width(n, None))
     if housing is not None:
@@ -86,13 +79,13 @@ def rigid_bodies(
     return bodies._replace(cage=parts.cage_pair(state, cage, riders, guide, around, operation.speed))
 
 
-def coupling_of(model: ReducedBearing, relaxation_factor: float, tangential: np.ndarray) -> kernels.Coupling:
+def _coupling_of(model, relaxation_factor, tangential):
     """Compliances along the rings, by each roller's neighbours; `tangential` : (3,), m/N, of contacts that stick."""
-    bearing, rings, columns = model.bearing, model.rings, columns_for(model.bearing.n_rollers)
+    bearing, rings, columns = model.bearing, model.rings, _columns_for(model.bearing.n_rollers)
     found, at = neighbours_of(bearing, rings)
     pocket = np.arange(columns)
     pocket[: bearing.n_rollers] = np.array(bearing.pocket) - bearing.pocket[0]
-    apart, compliances = 2.0 * np.pi / bearing.pockets * pocket, vars(found).copy()
+    apart, compliances = 2.0 * np.pi / bearing.pockets * pocket, found._asdict()
     for name in ("along", "steep", "bent", "crossed"):  # (..., neighbours, columns) of (..., pockets)
         values = getattr(rings, name)
         compliances[name] = at_line(np.zeros((*values.shape[:-1], at.shape[0], columns)))
@@ -103,15 +96,12 @@ def coupling_of(model: ReducedBearing, relaxation_factor: float, tangential: np.
     )  # fmt: skip
 
 
-def contact_forces(
-    bearing: Bearing, contacts: Contacts, forces: Sides, moments: Sides, damping: ContactDamping,
-    absent: tuple[str, ...], radiation: kernels.Radiation | None,
-) -> ReducedForces:  # fmt: skip
-    """Contacts under a start's forces, N, and, where they tilt, moments, N m.
+def _contact_forces(bearing, contacts, forces, moments, damping, absent, radiation):
+    """Contacts under a start's forces, N, and, where they tilt, moments, N m, of inner and outer ones, (n_rollers,).
 
     `absent` : accounts that are not kept. Where contacts are not coupled what neighbours tell each other has no room.
     """
-    n, coupling, columns, halo = bearing.n_rollers, contacts.coupling, columns_for(bearing.n_rollers), 0
+    n, coupling, columns, halo = bearing.n_rollers, contacts.coupling, _columns_for(bearing.n_rollers), 0
     if coupling is None:
         sizes, known = {"haloed": 0, "neighbours": 0}, {"first": np.full((2, columns), np.nan)}
         known |= {"tilt": np.zeros((2, 0)), "lifted": np.zeros((2, 2, 0))}
@@ -146,7 +136,7 @@ def contact_forces(
     return found._replace(tilted=tilted, dampers=dampers)
 
 
-def paces_of(plan: RigidPlan, drive: ReducedDrive) -> tuple[tuple[ReducedDrive, ...], paces.Paces | None]:
+def _paces_of(plan, drive):
     """The drive at every pace of a plan, and when which; None: there is one."""
     found, long, bearing = plan.sections, plan.long_step, plan.bearing
     if found is None:
@@ -169,14 +159,12 @@ def paces_of(plan: RigidPlan, drive: ReducedDrive) -> tuple[tuple[ReducedDrive, 
     return (drive, drive._replace(dt=float(long), looks=not smooth)), pace
 
 
-def law_constants(law) -> kernels.PowerConstants | Law:
+def _law_constants(law):
     """A law as kernels take it."""
     if isinstance(law, PowerLaw):
         return filled(kernels.PowerConstants, {}, law)
-    if isinstance(law, LogarithmicLaw):  # S Q (B − ln Q) is 2S Q (½B − ½ ln Q); widths play no part
-        most, unused = law.largest_force, {"half_width_factor": 0.0, "curvature": 0.0}
-        return filled(Law, {}, A=2.0 * law.compliance, B=0.5 * law.level, Q_line=most, **unused)
-    raise TypeError(f"{type(law).__name__}: no compiled form of such a law; see `fem.kernels.rigid.contacts.law_force`")
+    # S Q (B − ln Q) is 2S Q (½B − ½ ln Q); widths play no part
+    return Law(2.0 * law.compliance, 0.5 * law.level, law.largest_force, half_width_factor=0.0, curvature=0.0)
 
 
 def _numbers(group):
@@ -203,20 +191,19 @@ class RigidState(RowState):
 
     @abstractmethod
     def start_arrays(self, plan) -> None:
-        """Set bodies, contacts, their forces and the drive to a plan's start, by `assemble`."""
+        """Set bodies, contacts, their forces and the drive to a plan's start, by `_assemble`."""
 
     def begin(self):
         self.plan = plan = self._whole.reaching(2 ** self.restarts["doublings"]).halved(self.restarts["halvings"])
         super().begin()
         self.start_arrays(plan)
-        self.drives, self.paces = paces_of(plan, self.drive)
+        self.drives, self.paces = _paces_of(plan, self.drive)
         self._before = filled(kernels.Before, {"columns": self.bodies.columns})
 
-    def assemble(
-        self, plan: RigidPlan, bodies: RigidBodies, tilts: Tilts | None, tables: Tables | None, forces: Sides,
-        moments: Sides, damping: ContactDamping, absent: tuple[str, ...], drive: dict[str, Any],
-        radiation: kernels.Radiation | None = None, grown: tuple[float, float] = (0.0, 0.0), **of_contacts: Any,
-    ) -> None:  # fmt: skip
+    def _assemble(
+        self, plan, bodies, tilts, tables, forces, moments, damping, absent, drive, radiation=None, grown=(0.0, 0.0),
+        **of_contacts,
+    ):  # fmt: skip
         """What bodies, contacts and drive need of a plan; `tables` None: axes stay parallel.
 
         `grown` : m, by which the distances of touching at the inner ring and at the outer one are larger
@@ -231,7 +218,7 @@ class RigidState(RowState):
         (reach, track), surfaces = touching_distances(bearing), parts.surfaces_of(bearing, columns)._asdict()
         touching = {"reach": float(reach + grown[0]), "track": float(track + grown[1])}
         self.bodies, self.contacts = bodies, Contacts(**touching, **surfaces, **of_contacts, tilted=tilted)
-        self.forces = contact_forces(bearing, self.contacts, forces, moments, damping, absent, radiation)
+        self.forces = _contact_forces(bearing, self.contacts, forces, moments, damping, absent, radiation)
         raceway, step = bearing.inner_raceway_radius, plan.time_step
         self.drive = filled(ReducedDrive, {}, operation, **drive, dt=step, inner_radius=raceway)
 
@@ -243,7 +230,7 @@ class RigidState(RowState):
         doublings = self.restarts["doublings"]
         reason = parts.LESS if doublings == MOST_DOUBLINGS else self.plan.too_far(2 ** (doublings + 1))
         if reason is not None:
-            return replace(block, trouble=f"{beyond}; {reason}")
+            return block._replace(trouble=f"{beyond}; {reason}")
         return self.restart(block, f"{beyond}; the run restarts with tables up to twice the force", "doublings")
 
     @abstractmethod
@@ -271,7 +258,7 @@ class RigidState(RowState):
         made = int(self.paces.made.sum())
         left = round(found.steps_left * made / found.steps) if found.steps else round(self.plan.steps)
         speed = (self.void_steps + made) / found.wall if found.wall > 0.0 else 0.0
-        return replace(found, steps=made, steps_left=left, speed=speed)
+        return found._replace(steps=made, steps_left=left, speed=speed)
 
     @property
     def outcome_attributes(self):
@@ -340,7 +327,7 @@ class ReducedState(RigidState):
             "ring": start.ring, "ring_velocity": STILL, "cage": start.ring + plan.seat, "cage_velocity": STILL,
         }  # fmt: skip
         inertia = 0.5 * bearing.roller_mass * bearing.roller_radius**2
-        bodies = rigid_bodies(bearing, operation, scene.ideal_cage(), dt, placed, inertia=inertia)
+        bodies = _rigid_bodies(bearing, operation, scene.ideal_cage(), dt, placed, inertia=inertia)
         bodies.spin[: bearing.n_rollers] = start.kinematics.roller
         absent, radiation = ("ahead", "cut"), None  # rollers that tilt have accounts of their own
         if axial is None:
@@ -351,12 +338,12 @@ class ReducedState(RigidState):
         growth = inner + roller, roller, outer_growth(bearing, kinematics(bearing, 0.0, 1.0))
         history = parts.history_arrays(bearing, operation, growth)
         drive = {"ramp": scene.load_ramp, "friction": scene.friction_coefficient, "history": history}
-        self.assemble(
+        self._assemble(
             plan, bodies, start.tilts, plan.tables, (start.inner_force, start.outer_force),
             (start.inner_moment, start.outer_moment), scene.damping.contacts, absent, drive, radiation,
             (model.inner_growth + model.roller_growth, model.outer_growth - model.roller_growth),
             inner=model.inner_law.constants, outer=model.outer_law.constants, sag=model.sag,
-            coupling=coupling_of(model, plan.relaxation_factor, plan.tangential),
+            coupling=_coupling_of(model, plan.relaxation_factor, plan.tangential),
         )  # fmt: skip
 
     def judged(self, block):
@@ -465,20 +452,20 @@ class LagrangianState(RigidState):
         placed["hub"], placed["hub_velocity"] = begin.hub.behind(dt, float(operation.inner_mass), mounting.shaft)
         placed["centre"], placed["velocity"] = begin.rollers.behind(dt)
         placed["ring"], placed["ring_velocity"] = begin.ring.behind(dt, of_ring, mounting.housing)
-        held, rays = problem.angles == "kinematic", np.zeros((2, columns_for(n)))
+        held, rays = problem.angles == "kinematic", np.zeros((2, _columns_for(n)))
         rays[:, :n] = np.cos(begin.angle), np.sin(begin.angle)
         by_shaft, by_outer = kinematics(bearing, 1.0), kinematics(bearing, 0.0, 1.0)
         prescribed = filled(
             Prescribed, {}, spin=by_shaft.roller, cage=by_shaft.cage, spin_by_outer=by_outer.roller,
-            cage_by_outer=by_outer.cage, first=rays if held else None, force=np.zeros(columns_for(n)), work=np.zeros(2),
+            cage_by_outer=by_outer.cage, first=rays if held else None, force=np.zeros(rays.shape[1]), work=np.zeros(2),
             column=row_width(n, None, mounting) if held and cage is not None else -1,
         )  # fmt: skip
         free = None if problem.free_cage is None else cage
         # their spin is prescribed
-        bodies = rigid_bodies(bearing, operation, free, dt, placed, inertia=np.inf, prescribed=prescribed)
+        bodies = _rigid_bodies(bearing, operation, free, dt, placed, inertia=np.inf, prescribed=prescribed)
         (inner, outer), tables, absent = (None, None), None, ("ahead", "cut")
         if axial is None:
-            (inner, outer), absent = map(law_constants, problem.laws), ("taken",)
+            (inner, outer), absent = map(_law_constants, problem.laws), ("taken",)
         else:
             tables = tables_of(problem, axial, plan.reach)
         at_start = {name: value[0] for name, value in begin.samples.items()}
@@ -486,7 +473,7 @@ class LagrangianState(RigidState):
             tuple(at_start.get(f"{side}_{kind}") for side in ("inner", "outer")) for kind in ("force", "moment")
         )
         ramp = {"ramp": problem.load_ramp, "friction": 0.0, "history": parts.history_arrays(bearing, operation)}
-        self.assemble(
+        self._assemble(
             plan, bodies, problem.first_state.state.tilts, tables, pressed, moments, problem.damping, absent, ramp,
             inner=inner, outer=outer,
         )  # fmt: skip

@@ -92,6 +92,24 @@ class Vibrations(NamedTuple):
     carried: np.ndarray
 
 
+RADIAL, AROUND = 0, 1
+
+
+def receptance(section: Section, n: int, omega: float, way: int) -> float:
+    """Displacement of a held ring's or a free disc's circle per traction of n waves on it, both RADIAL, outwards of a
+    disc, or AROUND, at a frequency, rad/s; m/Pa."""
+    loaded, held, material, _ = section
+    x, kinds = omega * loaded / np.sqrt(material.lame_mu / material.density), "jy" if held else "j"
+    conditions, wanted = surface_tractions(n, 1.0, x, material, kinds), np.eye(2)[way]
+    if held:
+        conditions = np.concatenate([surface_displacements(n, held / loaded, x, material, kinds), conditions])
+        wanted = np.append([0.0, 0.0], wanted)
+    scale = np.abs(conditions).max(axis=0)
+    weights = np.linalg.solve(conditions / scale, wanted) / scale
+    moved = float(surface_displacements(n, 1.0, x, material, kinds)[way] @ weights)
+    return section.convexity * loaded / material.lame_mu * moved
+
+
 def vibrations(section: Section, thickness: float, highest: float, hub: float | None = None) -> Vibrations:
     """All modes up to a frequency, rad/s, of a disc or ring so thick, m; but for a disc's rotation.
 
@@ -130,7 +148,6 @@ LARGEST_N = 16  # waves around
 LARGEST_ROOT = 40.0  # ω R/c_T
 ROOT_SPACING = 0.02  # of the search
 TIME_STEP = 2e-9  # s
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(200)
 
 
 class Impact(NamedTuple):
@@ -145,7 +162,8 @@ class Impact(NamedTuple):
 def disc_modes(n: int, material: Material) -> tuple[np.ndarray, np.ndarray]:
     """Roots ω R/c_T of n waves around, and each mode's static compliance at the surface, times μ and length.
 
-    The compliance is U²/(M ω²) with U the radial displacement at the surface, M the modal mass.
+    The compliance, a residue of the receptance, is U²/(M ω²) with U the radial displacement at the surface, M the modal
+    mass; a line load has 1/π of each wave, half as much of none.
     """
 
     def condition(x):
@@ -154,21 +172,10 @@ def disc_modes(n: int, material: Material) -> tuple[np.ndarray, np.ndarray]:
 
     grid = np.arange(max(0.3, 0.5 * n if n > 2 else 0.0), LARGEST_ROOT, ROOT_SPACING)
     roots = np.array([root for *_, root in _roots(condition, grid, xtol=1e-12)])
-    return roots, np.array([_compliance(n, x, material) for x in roots])
-
-
-def _compliance(n: int, x: float, material: Material) -> float:
-    r, a, b = np.append(0.5 * (NODES + 1.0), 1.0), 1.0, 0.0
-    if n:  # shares of the two potentials in a mode: the null vector of the tractions
-        tractions = surface_tractions(n, 1.0, x, material, "j")
-        scale = np.abs(tractions).max(axis=0)
-        a, b = np.linalg.svd(tractions / scale)[2][-1] / scale
-    k_l, k_t = x / sqrt(material.lame_lambda / material.lame_mu + 2.0), x
-    radial = a * k_l * jvp(n, k_l * r) + b * n * jv(n, k_t * r) / r
-    tangential = -a * n * jv(n, k_l * r) / r - b * k_t * jvp(n, k_t * r)
-    square = (radial**2 + tangential**2)[:-1]
-    mass = pi * (2.0 if n == 0 else 1.0) * np.sum(0.5 * WEIGHTS * r[:-1] * square)
-    return radial[-1] ** 2 / (mass * x**2)
+    disc, speed, unit = Section(1.0, 0.0, material), sqrt(material.lame_mu / material.density), material.lame_mu / pi
+    near = [[(1.0 - share**2) * receptance(disc, n, share * root * speed, RADIAL) for share in (1.0 - 1e-5, 1.0 + 1e-5)]
+            for root in roots]  # fmt: skip
+    return roots, np.mean(near, axis=1) * (0.5 * unit if n == 0 else unit)
 
 
 def static_compliance(n: int, material: Material) -> float:
@@ -244,25 +251,11 @@ def _force(closing: float, law, guess: float) -> float:
 HARMONICS = 30  # what inertia changes of them falls as 1/n³
 
 
-def shear_receptance(section: Section, n: int, omega: float) -> float:
-    """Tangential displacement of a held ring or a free disc per traction sin nθ at a frequency, rad/s; m/Pa."""
-    loaded, held, material, _ = section
-    x, kinds = omega * loaded / np.sqrt(material.lame_mu / material.density), "jy" if held else "j"
-    conditions, wanted = surface_tractions(n, 1.0, x, material, kinds), [0.0, 1.0]
-    if held:
-        conditions = np.concatenate([surface_displacements(n, held / loaded, x, material, kinds), conditions])
-        wanted = [0.0, 0.0, *wanted]
-    scale = np.abs(conditions).max(axis=0)
-    weights = np.linalg.solve(conditions / scale, wanted) / scale
-    around = float(surface_displacements(n, 1.0, x, material, kinds)[1] @ weights)
-    return section.convexity * loaded / material.lame_mu * around
-
-
 def inertial(section: Section, omega: float) -> float:
     """What contacts that stick move more at a frequency, rad/s, than at rest, m per N/m of each."""
     found = 0.0
     for n in range(0, HARMONICS, section.loads):
-        more = shear_receptance(section, n, omega) - float(continuum.shear_compliance(section, np.array([n]))[0])
+        more = receptance(section, n, omega, AROUND) - float(continuum.shear_compliance(section, np.array([n]))[0])
         found += section.loads / (pi * section.loaded) * (0.5 if n == 0 else 1.0) * more
     return found
 

@@ -219,7 +219,20 @@ def show_plan(scene: Scene, name: str) -> Outcome:
             Section(title="Diametral clearance", columns=("part", "µm", ""), rows=build_up.rows()), left=(0, 2)
         )
     _print(f"{name + ':':30s} {value}" for name, value in (_of_the_bearing(scene) | rows).items())
-    _print_choices(plan, seconds)
+    # what each model takes for the scene, what it errs by and leaves out; what to begin with
+    from fem.solver.errors import model_choices, suggestion  # only a dry run needs what these import
+
+    choices, rows = model_choices(plan), []
+    if (begin := suggestion(choices)) is not None:
+        for each in choices:
+            lasts = seconds if seconds is not None and each.model == plan.scene.model else each.seconds
+            error = "-" if each.hub_error is None else f"below {100 * LEAST_ERROR:g} %"
+            if each.hub_error is not None and each.hub_error > LEAST_ERROR:
+                error = f"{100 * each.hub_error:.2g} %"
+            rows.append((each.model, "-" if lasts is None else f"{lasts:.2g} s", error, each.lacks))
+        columns = "model", "expected time", "static error of hub", "leaves out"
+        print_section(Section(title="Models for this scene", columns=columns, rows=rows), left=(0, 3))
+        _print([begin])
     _print(f"Warning: {sentence}" for sentence in (*plan.notices, *plan.warnings, *size_warning(plan)))
     return Outcome.COMPLETE
 
@@ -256,25 +269,6 @@ def _of_the_bearing(scene):  # what the scene alone decides and its file does no
         why = scene.default_cage()
         rows["cage"] = f"none{f' ({why})' if isinstance(why, str) else ''}: unloaded rollers coast"
     return rows
-
-
-def _print_choices(plan, seconds):
-    """What each model takes for the scene, what it errs by and leaves out; what to begin with.
-    `seconds` : that the plan's own takes, as far as it has been tried"""
-    from fem.solver.errors import model_choices, suggestion  # only a dry run needs what these import
-
-    choices, rows = model_choices(plan), []
-    if (begin := suggestion(choices)) is None:
-        return
-    for each in choices:
-        lasts = seconds if seconds is not None and each.model == plan.scene.model else each.seconds
-        error = "-" if each.hub_error is None else f"below {100 * LEAST_ERROR:g} %"
-        if each.hub_error is not None and each.hub_error > LEAST_ERROR:
-            error = f"{100 * each.hub_error:.2g} %"
-        rows.append((each.model, "-" if lasts is None else f"{lasts:.2g} s", error, each.lacks))
-    columns = "model", "expected time", "static error of hub", "leaves out"
-    print_section(Section(title="Models for this scene", columns=columns, rows=rows), left=(0, 3))
-    _print([begin])
 
 
 def show_meshes(scene: Scene, name: str) -> None:

@@ -10,6 +10,7 @@ import sys
 import tomllib
 from pathlib import Path
 from typing import get_args
+from unittest import mock
 
 import h5py
 import pytest
@@ -30,34 +31,30 @@ from lagrange.commands import new_app, run_app_main
 from lagrange.errors import RunFailed
 from lagrange.scene.scene import Scene
 from residual.cli import main as check_main
-from tests.reference.kit import command, environment, started_as
+from tests.reference.kit import command, environment, sets, started_as
 from tests.waiting import no_endless_wait
 
 COARSE = ["--mesh-size", "2"]
 
-SINKING = "operation.radial_load_N = 20000.0\nnumerics.mesh_size_mm = 2.0\n[contact]\nmodel = 'penalty'\n"
 TEXTS = {"escapes": "\x1b[31mred\a\u202e", "half a character": "\udcff", "long": "x" * 100_000}
 
 
 @pytest.mark.parametrize("option", ["--quiet", pytest.param("--dry-run", marks=pytest.mark.slow)])
 def test_a_scene_without_a_static_equilibrium_is_refused_in_a_sentence(option, tmp_path):
-    (tmp_path / "scene.toml").write_text(SINKING + "penalty_stiffness_N_per_m = 1e5\n")
-    done = command("run-fem", "scene.toml", option, folder=tmp_path)
+    sinking = sets("operation.radial_load_N=2e4", "contact.model=penalty", "contact.penalty_stiffness_N_per_m=1e5")
+    done = command("run-fem", *COARSE, *sinking, option, folder=tmp_path)
     assert done.returncode == 2
     *slow, told = done.stderr.splitlines()  # on a slow machine a line says first what takes so long
     assert told.startswith("error: no static equilibrium under 2e+04 N") and len(slow) < 2
 
 
-def own_exceptions():
-    for package in (fem, lagrange, meshes, residual):
-        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
-            kinds = () if module.name.endswith("__main__") else vars(importlib.import_module(module.name)).values()
-            for kind in kinds:
-                if isinstance(kind, type) and issubclass(kind, Exception) and kind.__module__ == module.name:
-                    yield f"{kind.__module__}.{kind.__qualname__}", kind
-
-
-OWN = dict(own_exceptions())
+OWN = {
+    f"{kind.__module__}.{kind.__qualname__}": kind
+    for package in (fem, lagrange, meshes, residual)
+    for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
+    for kind in ([] if module.name.endswith("__main__") else vars(importlib.import_module(module.name)).values())
+    if isinstance(kind, type) and issubclass(kind, Exception) and kind.__module__ == module.name
+}
 assert {"lagrange.errors.UsageError", "fem.statics.contact_balance.NotFound", "lagrange.files.hdf5.Damaged"} <= set(OWN)
 
 
@@ -152,10 +149,7 @@ def test_the_shell_learns_a_commands_options(name, tmp_path, monkeypatch, capsys
     written = [path for path in tmp_path.rglob("*") if path.is_file() and path.name == name]
     assert written and "--quiet" in written[0].read_text(encoding="utf-8")
 
-    def unknown():
-        raise ShellDetectionError("no shell")
-
-    monkeypatch.setattr("cyclopts.completion.detect.detect_shell", unknown)
+    monkeypatch.setattr("cyclopts.completion.detect.detect_shell", mock.Mock(side_effect=ShellDetectionError("none")))
     assert main(["--install-completion"]) == 2 and "none of bash, zsh and fish" in capsys.readouterr().err
 
 
@@ -178,16 +172,13 @@ def test_package_citation_changelog_and_results_have_the_programs_version(coarse
 
 def test_the_digest_is_that_of_the_code(tmp_path, monkeypatch):
     (tmp_path / "lagrange").mkdir()
-    module = tmp_path / "lagrange" / "version.py"
+    module, found = tmp_path / "lagrange" / "version.py", []
     monkeypatch.setattr(version, "__file__", str(module))
-    found = []
-    for text, other in (("a = 1", None), ("a = 2", None), ("a = 1", "new.py"), ("a = 1", "notes.txt")):
+    for text, other in (("a = 1", "version.py"), ("a = 2", "version.py"), ("a = 1", "new.py"), ("a = 1", "notes.txt")):
+        (module.parent / other).write_text("", encoding="utf-8")
         module.write_text(text, encoding="utf-8")
-        if other:
-            (module.parent / other).write_text("", encoding="utf-8")
         found.append(version.source_digest.__wrapped__())
-        if other:
-            (module.parent / other).unlink()
+        (module.parent / other).unlink()
     assert len(set(found[:3])) == 3 and found[3] == found[0]
 
 

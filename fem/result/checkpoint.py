@@ -107,7 +107,24 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
     try:
         with np.load(path) as archive:  # its members' checksums are verified
             meta = json.loads(archive["meta"].tobytes())
-            _check(meta, plan)
+            # refuse a state that would not go on as it began; another duration is welcome
+            if meta["format"] != FORMAT:
+                raise UsageError(f"of format {meta['format']!r}, this program has {FORMAT}; start again")
+            try:
+                before = parse_scene_text(meta["scene"], "").model_dump()
+                before["numerics"]["duration_ms"] = plan.scene.numerics.duration_ms
+            except SceneError:
+                before = None
+            if before and (changed := differences(before, plan.scene.model_dump())):
+                raise UsageError(f"the scene has changed ({'; '.join(changed)}); give the same scene or start again")
+            now = {"program": VERSION, **plan.versions()}  # all that decides the bits of a run
+            if changed := differences({str(key): value for key, value in meta["versions"].items()}, now):
+                raise UsageError(
+                    "written by another version of the program, or on another processor, whose results differ in the last "
+                    f"bits ({'; '.join(changed)}); resume with that one, or start again without --resume"
+                )
+            if before is None:
+                raise UsageError("its scene can't be read; start again without --resume")
             samples, checksums = int(meta["samples"]), meta["checksums"]
             state.done, state.void_steps = samples, int(meta["void_steps"])
             state.wall, state.imbalance = float(meta["wall_seconds"]), float(meta["imbalance"])
@@ -128,24 +145,3 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
             f"{1e3 * (samples - 1) * plan.interval:.6g} ms already; --resume needs at least that"
         )
     return state, stored
-
-
-def _check(meta, plan):
-    """Refuse a state that would not go on as it began. Another duration is welcome."""
-    if meta["format"] != FORMAT:
-        raise UsageError(f"of format {meta['format']!r}, this program has {FORMAT}; start again")
-    try:
-        before = parse_scene_text(meta["scene"], "").model_dump()
-        before["numerics"]["duration_ms"] = plan.scene.numerics.duration_ms
-    except SceneError:
-        before = None
-    if before and (changed := differences(before, plan.scene.model_dump())):
-        raise UsageError(f"the scene has changed ({'; '.join(changed)}); give the same scene or start again")
-    now = {"program": VERSION, **plan.versions()}  # all that decides the bits of a run
-    if changed := differences({str(key): value for key, value in meta["versions"].items()}, now):
-        raise UsageError(
-            "written by another version of the program, or on another processor, whose results differ in the last bits "
-            f"({'; '.join(changed)}); resume with that one, or start again without --resume"
-        )
-    if before is None:
-        raise UsageError("its scene can't be read; start again without --resume")

@@ -128,9 +128,8 @@ def _start(model, operation, place, forces, ring, found=None, **more):
     rate = np.zeros_like(place) if found is None else found.rate("place")
     return ReducedStart(
         kinematics=kinematics(bearing, *operation.ring_speeds),
-        angle=roller_angles(bearing, operation.first_roller_angle),
-        hub=place[:2], rho=place[2:], hub_velocity=rate[:2], rho_rate=rate[2:],
-        inner_force=forces[:n], outer_force=forces[n:], ring=ring, **more,
+        angle=roller_angles(bearing, operation.first_roller_angle), hub=place[:2], rho=place[2:], hub_velocity=rate[:2],
+        rho_rate=rate[2:], inner_force=forces[:n], outer_force=forces[n:], ring=ring, **more,
     )  # fmt: skip
 
 
@@ -166,10 +165,9 @@ def tilted_start(
         found, warning = passing(balanced, lambda: now.radial_stiffness, model.bearing, operation, way)
     rates = places_moving(now, found)
     return replace(
-        plane,
-        hub=now.hub, rho=now.rho, hub_velocity=rates[:2], rho_rate=rates[4 : 4 + n],
-        inner_force=now.inner_force, outer_force=now.outer_force, warning=warning,
-        inner_moment=now.inner_moment, outer_moment=now.outer_moment, tilts=tilts_moving(now, rates),
+        plane, hub=now.hub, rho=now.rho, hub_velocity=rates[:2], rho_rate=rates[4 : 4 + n], inner_force=now.inner_force,
+        outer_force=now.outer_force, warning=warning, inner_moment=now.inner_moment, outer_moment=now.outer_moment,
+        tilts=tilts_moving(now, rates),
     )  # fmt: skip
 
 

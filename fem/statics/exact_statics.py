@@ -352,8 +352,7 @@ def kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
     inner, outer, between = (ContactLaw(A=A, B=B, Q_line=line, pair=pair) for (A, B, line), pair in constants)
     contacts = Condensed(
         bearing=bearing, radial=np.column_stack([np.cos(angle), np.sin(angle)]), inner_law=inner, outer_law=outer,
-        compliance=_of_present(bearing, arrays["compliance"]),
-        closing=np.zeros(2 * bearing.n_rollers),
+        compliance=_of_present(bearing, arrays["compliance"]), closing=np.zeros(2 * bearing.n_rollers),
     )  # fmt: skip
     return contacts, between
 

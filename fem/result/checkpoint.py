@@ -120,8 +120,8 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
             now = {"program": VERSION, **plan.versions()}  # all that decides the bits of a run
             if changed := differences({str(key): value for key, value in meta["versions"].items()}, now):
                 raise UsageError(
-                    "written by another version of the program, or on another processor, whose results differ in the last "
-                    f"bits ({'; '.join(changed)}); resume with that one, or start again without --resume"
+                    "written by another version of the program, or on another processor, whose results differ in the "
+                    f"last bits ({'; '.join(changed)}); resume with that one, or start again without --resume"
                 )
             if before is None:
                 raise UsageError("its scene can't be read; start again without --resume")

@@ -1,6 +1,6 @@
 """Rollers that tilt, at rest: [axial] in scenes, a tilted contact's table and slices, the whole bearing.
 
-Against half-spaces, Navier's equations, the plane series and the method of ISO/TS 16281.
+Against half-spaces, the plane series and the method of ISO/TS 16281.
 """
 
 import tracemalloc
@@ -29,19 +29,8 @@ from fem.rating.equilibria import TiltedPitch, tilted_pitch
 from fem.solver.start import check_narrow
 from fem.statics.exact_statics import exact_statics, kept_contacts
 from fem.statics.tilted_pressures import scene_slices
+from lagrange.axial import slices as slicing
 from lagrange.axial.pressure import Ends, peak_table, placed, pressures, pressures_under
-from lagrange.axial.slices import (
-    Axial,
-    Profile,
-    Slices,
-    alone,
-    contact_slices,
-    logarithmic_drop,
-    read_slices,
-    spalled,
-    tabulated,
-    write_slices,
-)
 from lagrange.axial.table import ContactTable
 from lagrange.axial.table import in_series as softened
 from lagrange.contact.hertz import contact_pairs
@@ -95,7 +84,7 @@ def test_profiles_fall_off_as_their_formulas_say_and_those_of_a_file_are_kept_wi
 def test_long_rollers_are_straight_in_their_middle_and_those_at_the_limit_have_the_profile_of_short_ones():
     """L = 2.5 D as it is typed, whatever the rounding of metres: the long rollers' formula drops 1.43 times as much."""
     edge = 0.0005 * 8.0 * np.log(1.0 / (1.0 - (18.0 / 20.0) ** 2))
-    assert logarithmic_drop(np.array([0.0, 10.0, 19.0]), 40.0, 8.0) == pytest.approx([0.0, 0.0, edge])
+    assert slicing.logarithmic_drop(np.array([0.0, 10.0, 19.0]), 40.0, 8.0) == pytest.approx([0.0, 0.0, edge])
     for diameter in np.round(np.arange(8.0, 14.0, 0.1), 1).tolist():
         sizes = {"roller_diameter_mm": diameter, "inner_raceway_diameter_mm": 60.0, "outside_diameter_mm": 120.0}
         sizes |= {"roller_length_mm": round(2.5 * diameter, 9), "clearance_um": 0.0}
@@ -165,13 +154,14 @@ def middles(count: int) -> np.ndarray:
     return (np.arange(count) + 0.5 - 0.5 * count) * LENGTH / count
 
 
-def slices(kind: str, count: int = 21) -> Slices:
+def slices(kind: str, count: int = 21) -> slicing.Slices:
     place = middles(count)
-    return Slices(law=johnson(PAPER, "inner"), place=place, drop=Profile(kind=kind, crown=1e-5).drop(place, PAPER))
+    drop = slicing.Profile(kind=kind, crown=1e-5).drop(place, PAPER)
+    return slicing.Slices(law=johnson(PAPER, "inner"), place=place, drop=drop)
 
 
-def table_of(own: Slices) -> ContactTable:
-    return tabulated(own, float(own.approach_under(LARGEST, 0.0)), STEEPEST)
+def table_of(own: slicing.Slices) -> ContactTable:
+    return slicing.tabulated(own, float(own.approach_under(LARGEST, 0.0)), STEEPEST)
 
 
 @pytest.fixture(scope="module")
@@ -200,7 +190,7 @@ def test_a_light_load_on_a_roller_that_may_tilt_far_takes_no_larger_table_and_co
     Contacts, each with a matrix of its slices, are solved some at a time; at once they took 0.8 GB.
     """
     own, light, steepest = slices("logarithmic"), 20.0, 1e-2  # N, rad
-    table = tabulated(own, float(own.approach_under(light, 0.0)), steepest)
+    table = slicing.tabulated(own, float(own.approach_under(light, 0.0)), steepest)
     assert table.coefficients.shape[0] < 700 and table.coefficients.shape[1] == 603
     rng = np.random.default_rng(3)
     slope, force = rng.uniform(-steepest, steepest, 2000), rng.uniform(0.0, light, 2000)
@@ -229,7 +219,7 @@ def test_a_straight_roller_vibrates_and_tilts_on_the_springs_of_the_standard():
 
 @pytest.mark.parametrize("kind", ["logarithmic", "crowned"])
 def test_peaks_by_force_and_moment_are_those_of_the_slices(kind):
-    own, largest, profile, half = slices(kind), 800.0, Profile(kind=kind, crown=1e-5), 0.5 * LENGTH
+    own, largest, profile, half = slices(kind), 800.0, slicing.Profile(kind=kind, crown=1e-5), 0.5 * LENGTH
     ends = Ends(profile.drop(np.array([-half, half]), PAPER), profile.even_load(PAPER))
     rng = np.random.default_rng(2)
     slope = rng.uniform(-2e-3, 2e-3, 1000)
@@ -281,10 +271,10 @@ def test_the_kernel_and_numpy_read_a_table_alike_whose_forces_are_the_derivative
 def test_tables_over_a_spall_are_those_of_their_slices_coupled_ones_where_all_or_none_have_sunk():
     whole = slices("logarithmic", 20)
     own = replace(whole, part=whole.place > 0.0)
-    table, rng = spalled(own, table_of(whole)), np.random.default_rng(3)
+    table, rng = slicing.spalled(own, table_of(whole)), np.random.default_rng(3)
     approach, slope = places(table.whole, 2000)
     sunk, soft = rng.uniform(0.0, 10e-6, 2000) * rng.integers(0, 2, 2000), rng.uniform(0.0, SOFT, (2, 2000))
-    found, exact = table.at(approach, slope, sunk, *soft), alone(own).at(approach, slope, sunk, *soft)
+    found, exact = table.at(approach, slope, sunk, *soft), slicing.alone(own).at(approach, slope, sunk, *soft)
     for k, name in enumerate(("edges", "part_edges")):
         way = 1e-13 * (np.arange(2)[:, None] == k)
         more, less = (table.at(approach, slope, sunk, *(soft + sign * way)).energy for sign in (1.0, -1.0))
@@ -292,13 +282,13 @@ def test_tables_over_a_spall_are_those_of_their_slices_coupled_ones_where_all_or
     for name, scale in (("force", 1900.0), ("moment", 3.0), ("part", 1900.0)):
         assert rms(getattr(found, name) - getattr(exact, name)) < 1e-4 * scale
     exact, h = own.at(approach, slope, sunk), 1e-10
-    for one, other in zip(alone(own).at(approach, slope, sunk)[:7], exact[:7], strict=True):
+    for one, other in zip(slicing.alone(own).at(approach, slope, sunk)[:7], exact[:7], strict=True):
         assert one == pytest.approx(other, rel=1e-9, abs=1e-9 * np.abs(other).max())
     more, less = (own.sums(approach, slope, sunk + step).energy for step in (h, -h))
     assert -(more - less) / (2.0 * h) == pytest.approx(exact.part, rel=1e-4, abs=1e-2)
     whole = coupled(10, 2e-9)
     own = replace(whole, part=whole.place > 0.0)
-    table, rng = spalled(own, table_of(whole)), np.random.default_rng(4)
+    table, rng = slicing.spalled(own, table_of(whole)), np.random.default_rng(4)
     approach, slope = places(table.whole, 400)
     for sunk, share in (
         (np.zeros(400), 1e-4), (np.full(400, 1e-3), 1e-4),
@@ -307,7 +297,7 @@ def test_tables_over_a_spall_are_those_of_their_slices_coupled_ones_where_all_or
         assert rms(table.at(approach, slope, sunk).force - own.sums(approach, slope, sunk).force) < share * 1900.0
 
 
-def coupled(count: int, strength: float) -> Slices:
+def coupled(count: int, strength: float) -> slicing.Slices:
     own = slices("logarithmic", count)
     return replace(own, coupling=strength * np.exp(-np.abs(own.place[:, None] - own.place) / 1e-3))
 
@@ -333,10 +323,11 @@ def test_pressures_follow_from_force_and_moment_over_a_spall_and_at_a_roller_s_e
 # Slices against half-spaces: pressures, approaches and moments of tilted and profiled rollers
 
 FILED = np.linspace(-0.5, 0.5, 401) * LENGTH
-PROFILES = {"iso": Profile(kind="logarithmic"), "crown": Profile(kind="crowned", crown=1e-5), "none": Profile(),
-            "lundberg": Profile(kind="lundberg", load=628.5),
-            "filed": Profile(kind="measured", place=tuple(FILED), depth=tuple(2e-5 * (FILED / FILED[-1]) ** 4)),
-            "knee": Profile(kind="measured", place=(-5e-3, -4e-3, 4e-3, 5e-3), depth=(2e-5, 0.0, 0.0, 2e-5)),
+PROFILES = {"iso": slicing.Profile(kind="logarithmic"), "crown": slicing.Profile(kind="crowned", crown=1e-5),
+            "none": slicing.Profile(),
+            "lundberg": slicing.Profile(kind="lundberg", load=628.5),
+            "filed": slicing.Profile(kind="measured", place=tuple(FILED), depth=tuple(2e-5 * (FILED / FILED[-1]) ** 4)),
+            "knee": slicing.Profile(kind="measured", place=(-5e-3, -4e-3, 4e-3, 5e-3), depth=(2e-5, 0.0, 0.0, 2e-5)),
             }  # fmt: skip
 DEPTH = 4e-3  # m, that the plane law of a half-space takes; coupled slices do not depend on it
 WIDE = {628.5: 1.35e-4, 2000.0: 1.6e-4}  # m, half of the meshed width, by load
@@ -375,7 +366,7 @@ def test_the_half_space_solver_against_an_independent_one(
         assert 1e3 * found.peak[1] == pytest.approx(place, abs=0.06)
 
 
-def half_space_slices(pair, profile: str, count: int, coupled: bool = True) -> Slices:
+def half_space_slices(pair, profile: str, count: int, coupled: bool = True) -> slicing.Slices:
     """Slices on two half-spaces: Boussinesq's 1/r between them, mean over both."""
     h, m = LENGTH / count, np.abs(np.subtract.outer(np.arange(count), np.arange(count))).astype(float)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -389,11 +380,10 @@ def half_space_slices(pair, profile: str, count: int, coupled: bool = True) -> S
         largest_force=(h / WIDTHS) ** 2 / b_squared if coupled else 1e5, source="Johnson 1985",
     )  # fmt: skip
     drop = PROFILES[profile].drop(middles(count), PAPER)
-    return Slices(law=law, place=middles(count), drop=drop, coupling=coupling if coupled else None)
+    return slicing.Slices(law=law, place=middles(count), drop=drop, coupling=coupling if coupled else None)
 
 
-def under(slices: Slices, load: float, slope: float) -> tuple[float, float, np.ndarray]:
-    """Approach, m, moment, N m, and forces of slices under a load, by bisection."""
+def under(slices: slicing.Slices, load: float, slope: float) -> tuple[float, float, np.ndarray]:
     low, high = -5e-5, 5e-5
     for _ in range(50):
         middle = 0.5 * (low + high)
@@ -444,54 +434,11 @@ def test_slices_that_stand_alone_miss_what_their_neighbours_carry():
     assert 0.04 < 1.0 - peak / yardstick(INNER, 628.5, "iso", 1e-3).peak[0] < 0.06
 
 
-# Circular bodies under loads that vary along the axis: Navier's equations, the plane series, the half-space
+# Circular bodies under loads that vary along the axis: the plane series, the half-space
 
 ROLLER, (INNER_SERIES, OUTER_SERIES) = roller_section(PAPER).squeezed, ring_sections(PAPER)
 SOLID = Section(INNER_SERIES.loaded, 0.0, STEEL)
 UNIT = 1.0 / (pi * STEEL.plane_strain_modulus)  # m per N/m
-STEP = 1e-5  # m, of differences
-
-
-@pytest.mark.parametrize("decay", [False, True])
-@pytest.mark.parametrize("n", [0, 1, 4])
-def test_each_field_satisfies_navier_and_hooke(n, decay):
-    """Differences of second order of the displacements at points of a cube, as good as their own error."""
-    k, R, nu, orders = 600.0, 5e-3, STEEL.poisson_ratio, np.array([n])
-
-    def fields(r, which):
-        return axial_series._fields(orders, k, r, nu, axial_series._scaled(orders, k, r, R, decay), decay)[0, :, which]
-
-    def displaced(point, which):
-        x, y, z = point
-        r, angle = np.hypot(x, y), np.arctan2(y, x)
-        U, V, W = fields(r, which)[:3]
-        radial, around = U * np.cos(n * angle) * np.cos(k * z), V * np.sin(n * angle) * np.cos(k * z)
-        c, s = np.cos(angle), np.sin(angle)
-        return np.array([c * radial - s * around, s * radial + c * around, W * np.cos(n * angle) * np.sin(k * z)])
-
-    at, axes = np.array([3.1e-3, 1.7e-3, 0.4e-3]), STEP * np.eye(3)
-    for which in range(3):
-
-        def u(*shifts, which=which):
-            return displaced(at + sum(shifts), which)
-
-        second = np.empty((3, 3, 3))  # ∂i ∂j u
-        for i in range(3):
-            for j in range(3):
-                a, b = axes[i], axes[j]
-                second[i, j] = (u(a, b) - u(a, -b) - u(-a, b) + u(-a, -b)) / (4.0 * STEP**2)
-        laplacian = second[0, 0] + second[1, 1] + second[2, 2]
-        swelling = np.array([sum(second[i, j, j] for j in range(3)) for i in range(3)])
-        assert np.abs(laplacian + swelling / (1.0 - 2.0 * nu)).max() < 2e-3 * np.abs(second).max()
-        gradient = np.stack([(u(axes[i]) - u(-axes[i])) / (2.0 * STEP) for i in range(3)])
-        strain = 0.5 * (gradient + gradient.T)
-        stress = 2.0 * strain + 2.0 * nu / (1.0 - 2.0 * nu) * np.trace(strain) * np.eye(3)
-        r, angle, z = np.hypot(*at[:2]), np.arctan2(at[1], at[0]), at[2]
-        out = np.array([np.cos(angle), np.sin(angle), 0.0])
-        traction, (c, s) = stress @ out, (np.cos(n * angle), np.sin(n * angle))
-        known = fields(r, which)[3:] * [c * np.cos(k * z), s * np.cos(k * z), c * np.sin(k * z)]
-        found = traction @ out, traction @ np.array([-out[1], out[0], 0.0]), traction[2]
-        assert found == pytest.approx(known, rel=1e-3, abs=1e-3 * np.abs(stress).max())
 
 
 def test_long_and_short_waves_a_solid_shaft_and_slices_have_the_compliance_of_known_bodies():
@@ -554,7 +501,7 @@ def test_a_file_gives_the_pressures_of_the_statics(tmp_path):
 
 
 def test_a_place_bears_the_force_and_moment_that_it_was_asked_for_and_a_file_keeps_the_slices(tmp_path):
-    own, _ = contact_slices(
+    own, _ = slicing.contact_slices(
         PAPER, Scene(model="lagrange", axial={"slices": 21}).ideal_axial(), contact_laws("johnson", PAPER)
     )
     approach, slope = placed(own, 600.0, 1.2)
@@ -567,28 +514,27 @@ def test_a_place_bears_the_force_and_moment_that_it_was_asked_for_and_a_file_kee
     scene = Scene(model="reduced", axial={"slices": 11})
     bearing, axial, written = scene.perfect_bearing(), scene.ideal_axial(), scene_slices(scene)
     with hdf5_to_write(tmp_path / "run.nc") as file:
-        write_slices(file, written)
+        slicing.write_slices(file, written)
     with h5py.File(tmp_path / "run.nc", "r+") as file:
-        for own, other in zip(written, read_slices(file, bearing, axial), strict=True):
+        for own, other in zip(written, slicing.read_slices(file, bearing, axial), strict=True):
             assert np.array_equal(own.forces(4e-6, 1e-4), other.forces(4e-6, 1e-4))
         file["outer_slice_compliance"][3, 4] = np.nan
         with pytest.raises(Damaged, match="outer_slice_compliance is no compliance of 11 slices"):
-            read_slices(file, bearing, axial)
+            slicing.read_slices(file, bearing, axial)
 
 
 # The whole bearing with tilted rollers at rest: elastic bodies, and the method of ISO/TS 16281
 
 
-def axial(profile: str, slices: int, coupling: bool) -> Axial:
-    return Axial(
-        roller=Profile(kind=profile, crown=1e-5, load=700.0 if profile == "lundberg" else 0.0), slices=slices,
-        inner_raceway=Profile(), outer_raceway=Profile(), coupling=coupling, ring_width=0.02,
+def axial(profile: str, slices: int, coupling: bool) -> slicing.Axial:
+    return slicing.Axial(
+        roller=slicing.Profile(kind=profile, crown=1e-5, load=700.0 if profile == "lundberg" else 0.0), slices=slices,
+        inner_raceway=slicing.Profile(), outer_raceway=slicing.Profile(), coupling=coupling, ring_width=0.02,
     )  # fmt: skip
 
 
 @cache
 def stands(profile: str, slices: int, coupling: bool, mrad: float) -> TiltedPitch:
-    """At one angle, a roller in the load's direction."""
     acting = operation(speed=0.0, gravity=0.0, radial_load=LOAD, misalignment=1e-3 * mrad)
     return tilted_pitch(PAPER, axial(profile, slices, coupling), acting, samples=1)
 
@@ -657,20 +603,6 @@ def rigid_rings(profile: str, mrad: float, **free: float) -> Statics:
     return tilted_equilibrium(PAPER, acting, laws, hub, Placement(roller_angles(PAPER, ON_A_ROLLER)), start)
 
 
-@pytest.mark.parametrize("profile", ["none", "logarithmic"])
-@pytest.mark.parametrize("mrad", [0.0, 1.0, 2.0, 4.0])
-def test_rigid_rings_on_slices_are_the_method_of_the_standard(profile, mrad):
-    """Its laminae spring with both contacts at once; here a roller finds its own tilt between them."""
-    standard = rigid_loads(Dimensions.of(PAPER), LOAD, 0.0, 1e-3 * mrad, profile=profile != "none")
-    found = rigid_rings(profile, mrad)
-    assert -1e3 * found.place[1] == pytest.approx(standard.displacement, rel=6e-4)
-    assert found.inner_force == pytest.approx(standard.of_rollers, rel=1e-3, abs=0.2)
-    assert 1e3 * found.on_hub[1] == pytest.approx(standard.moment, rel=1e-3, abs=1e-3)
-    half = 0.5 * found.place[3] * np.sin(roller_angles(PAPER, ON_A_ROLLER))
-    loaded = found.inner_force > 1.0
-    assert 1e3 * found.tilt[loaded] == pytest.approx(1e3 * half[loaded], abs=2e-3)
-
-
 def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fits(capsys):
     """A start whose tables give a light contact too large a moment, all of it on the last slice, is checked too."""
     acting = operation(speed=0.0, gravity=0.0, radial_load=20_000.0, misalignment=2e-3)
@@ -695,7 +627,6 @@ def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fi
 
 
 def started(path, *settings: str) -> tuple[np.ndarray, np.ndarray]:
-    """Hub and force of the raceways on it at the start of a run, m and N."""
     assert run_main(["--quiet", "--duration", "0", "--output", str(path), "--force", *sets(*settings)]) == 0
     with h5py.File(path) as file:
         hub = np.array([file[f"inner_{axis}"][0] for axis in "xy"])
@@ -716,7 +647,6 @@ def test_a_bearing_in_clearance_without_weight_and_speed_stands_on_its_loaded_ro
 
 
 def test_a_free_slope_that_no_contact_holds_stays_where_it_is(tmp_path):
-    """One roller bears all: about the direction of the load nothing holds the shaft's slope."""
     hub, force = started(
         tmp_path / "run.nc", "model=lagrange", "bearing.clearance_um=30", "operation.radial_load_N=20",
         "operation.speed_rpm=1000", "operation.gravity_m_s2=0", "axial.roller_profile=crowned", "axial.crown_um=1",

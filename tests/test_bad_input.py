@@ -23,8 +23,6 @@ LONG = "x" * 900_000
 
 
 def made(name, write, say="", *options, main=check_main, named=True):
-    """A file of that name, which the refusal must name, too."""
-
     def make(folder):
         write(folder / name)
         arguments = [str(folder / name), *(each.format(folder=folder) for each in options)]
@@ -159,6 +157,8 @@ BAD_SETTINGS = {
     "unknown key by option": setting("operation.speed=1", say="operation.speed & did you mean speed_rpm?"),
     "word for a number by option": setting("operation.speed_rpm=fast", say="operation.speed_rpm = 'fast'"),
     "second key in a value": setting("operation.speed_rpm=1\nname='x'", say="operation.speed_rpm"),
+    "damping that drives": setting("damping.contact_N_s_m=-1", say="damping.contact_N_s_m & 0"),
+    "angles that no model has": setting("lagrange.angles=caged", say="lagrange.angles & kinematic"),
     "comment for a value": setting("operation.speed_rpm=# 3", say="operation.speed_rpm"),
     "mesh size of nan": options("--mesh-size", "nan", say="numerics.mesh_size_mm = nan"),
     "mesh size in words": options("--mesh-size", "fine", say="--mesh-size"),
@@ -191,6 +191,8 @@ BAD_SETTINGS = {
     "more nodes than memory": setting(
         "operation.radial_load_N=1", "numerics.mesh_size_mm=0.03", say="mesh_size_mm = 0.03 & nodes & at most"),
     "balls as plane sections": setting("model=fem", "bearing.type=ball", say='type = "ball" & --model lagrange'),
+    "plan of balls as plane sections": options(
+        "--dry-run", *sets("model=fem", "bearing.type=ball"), say='type = "ball" & --model lagrange'),
 }  # fmt: skip
 
 
@@ -199,13 +201,10 @@ def content(name, data, say, main=check_main):
 
 
 def spoilt(change, say="", main=check_main):
-    """A result file whose bytes have been changed."""
     return made("bad.nc", lambda path: write_result(path, RUN).write_bytes(change(path.read_bytes())), say, main=main)
 
 
 def result(change, say="", main=check_main):
-    """A result file with one thing wrong."""
-
     def write(path):
         with h5py.File(write_result(path, RUN), "a") as file:
             change(file)
@@ -214,8 +213,6 @@ def result(change, say="", main=check_main):
 
 
 def replaced(name, value, say, main=check_main):
-    """One variable exchanged; None drops it."""
-
     def change(file):
         old = file.pop(name)[:]
         if value is not None:
@@ -225,7 +222,6 @@ def replaced(name, value, say, main=check_main):
 
 
 def attribute(name, value, say, main=check_main):
-    """One attribute exchanged; None drops it."""
     return result(lambda file: file.attrs.pop(name) if value is None else file.attrs.update({name: value}), say, main)
 
 
@@ -234,8 +230,6 @@ def poked(name, place, value, say, main=check_main):
 
 
 def table(edit, say="", scene_text="", *more, with_scene=True):
-    """A trajectory table whose lines have been edited, and its scene."""
-
     def write(path):
         lines = edit(write_table(RUN, path).read_text().splitlines())
         path.write_bytes(lines if isinstance(lines, bytes) else ("\n".join(lines) + "\n").encode())
@@ -245,18 +239,14 @@ def table(edit, say="", scene_text="", *more, with_scene=True):
 
 
 def row(number, change):
-    """Change one row of a table; row 0 is the header."""
     return lambda lines: [*lines[:number], change(lines[number]), *lines[number + 1 :]]
 
 
 def cell(number, text):
-    """Exchange the first cell of a row."""
     return row(number, lambda line: text + line[line.index(",") :])
 
 
 def sound(*arguments, say, main=check_main):
-    """A sound result file with unusable options."""
-
     def make(folder):
         write_result(folder / "made.nc", RUN)
         (folder / "other.toml").write_text("[operation]\nspeed_rpm = 3000.0\n")
@@ -268,8 +258,6 @@ def sound(*arguments, say, main=check_main):
 
 
 def large(count, compression=None):
-    """Variables of many gigabytes of zeros in a few bytes."""
-
     def change(file):
         for name in ("time", "inner_x", "inner_y", "roller_x", "roller_y"):
             del file[name]
@@ -282,8 +270,6 @@ def large(count, compression=None):
 
 
 def instead(make):
-    """Something else in the place of inner_x."""
-
     def change(file):
         del file["inner_x"]
         make(file)
@@ -456,8 +442,6 @@ FINISHED, DURATION = ["--mesh-size", "2", "--quiet"], ["--duration", "0.2"]
 
 
 def resumed(change, say, *settings):
-    """Option --resume with a sound run whose files have been changed."""
-
     def make(folder, finished):
         for name in ("run.nc", "run.nc.checkpoint"):
             (folder / name).write_bytes((finished / name).read_bytes())

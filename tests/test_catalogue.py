@@ -43,7 +43,6 @@ def ratings(name: str) -> tuple[float, float]:
 
 
 def errors(name: str) -> tuple[float, float]:
-    """Of C and C0 of the estimates, against the catalogue's."""
     entry, found = entries()[name], ratings(name)
     return found[0] / (1e3 * entry.dynamic) - 1.0, found[1] / (1e3 * entry.static) - 1.0
 
@@ -167,14 +166,17 @@ def test_what_is_not_in_the_table_is_answered_with_what_to_give(written, advice)
         scene_of(written)
 
 
-@pytest.mark.parametrize(("written", "kind"), [
-    ("51110", "thrust ball"), ("81107", "thrust roller"), ("29412E", "spherical thrust"), ("RB3010", "crossed roller"),
-    ("QJ206", "four-point contact"), ("NATR 17", "track roller"), ("UC205", "inside it is the ball bearing 6205"),
-    ("1206", "self-aligning"), ("22208", "spherical"), ("GE 20 ES", "plain bearing"),
-    ("NU212M/C3VL0241", "VL0241 is unknown after NU212"), ("HR30206J", "a tapered bearing"),
-])  # fmt: skip
-def test_kinds_and_suffixes_that_are_not_here_are_named_and_not_asked_for_rollers(written, kind):
-    with pytest.raises(SceneError, match=kind) as raised:
+KINDS = {
+    "51110": "thrust ball", "81107": "thrust roller", "29412E": "spherical thrust", "RB3010": "crossed roller",
+    "QJ206": "four-point contact", "NATR 17": "track roller", "UC205": "inside it is the ball bearing 6205",
+    "1206": "self-aligning", "22208": "spherical", "GE 20 ES": "plain bearing", "HR30206J": "a tapered bearing",
+    "NU212M/C3VL0241": "VL0241 is unknown after NU212",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("written", KINDS)
+def test_kinds_and_suffixes_that_are_not_here_are_named_and_not_asked_for_rollers(written):
+    with pytest.raises(SceneError, match=KINDS[written]) as raised:
         scene_of(written)
     assert written in ("HR30206J", "NU212M/C3VL0241") or "roller_diameter_mm" not in str(raised.value)
 

@@ -22,7 +22,7 @@ from lagrange.surface.deviation import Turns, profiles
 from lagrange.surface.edges import Circles, softening
 from lagrange.surface.faults import Spall, UnequalRoller, Waviness
 from tests.reference.continua import EdgeContact
-from tests.reference.kit import DOWN, PAPER, RUNNING
+from tests.reference.kit import DOWN, HARRIS, PAPER, RUNNING, spall, wavy
 
 # What a roller reaches of imperfect surfaces: depths known in closed form, slopes, periodicity.
 
@@ -59,7 +59,6 @@ inner, outer = partial(sinkage, "inner"), partial(sinkage, "outer")
     (2.0e-3, 83.16e-6, 128.8e-6),
 ])  # fmt: skip
 def test_a_roller_sinks_between_the_edges_of_a_gap(width, outside, inside, edge_radius):
-    """Whatever the body with the gap, within 1 % or 0.05 µm."""
     on_outer, on_inner, on_roller = (spalled(body, width=width, edge_radius=edge_radius) for body in
                                      ("outer_ring", "inner_ring", "roller"))  # fmt: skip
     found = outer(on_outer, MIDDLE), inner(on_inner, MIDDLE), outer(on_roller, MIDDLE), inner(on_roller, MIDDLE - np.pi)
@@ -85,7 +84,6 @@ def test_entry_is_the_arc_of_a_roller_turning_about_the_edge():
 
 
 def test_brute_force_never_gets_deeper_nor_stops_short():
-    """Rollers put into the bare profile at random: the circle touches it and cuts it nowhere."""
     found, r, R = spalled("outer_ring", depth=15e-6), 0.005, 0.028
     spall = Spall(body="outer_ring", roller=None, angle=0.0, width=1e-3, depth=15e-6, edge_radius=0.1e-3)
     x = np.linspace(-2e-3, 2e-3, 400_001)
@@ -199,34 +197,45 @@ def test_a_law_in_series_with_a_compliance(law):
         assert_allclose(derivative[2:], change, rtol=1e-6)
 
 
+def assert_gradient(faults, laws, start, turns):
+    """Accelerations without loads, at hub, radii and angles of 13 rollers, by central differences of the energy."""
+    bearing, operation, n = replace(PAPER, faults=faults), replace(RUNNING, gravity=0.0, radial_load=0.0), 13
+
+    def at(values):
+        rest = np.zeros(n)
+        state = State(x=values[0], y=values[1], rho=values[2 : n + 2], theta=values[n + 2 :], x_rate=0.0, y_rate=0.0,
+                      rho_rate=rest, theta_rate=rest, turns=turns)  # fmt: skip
+        return state, contact_state(bearing, laws, state)
+
+    state, contacts = at(start)
+    ax, ay, rho, theta = accelerations(bearing, operation, state, contacts)
+    forces = [operation.inner_mass * ax, operation.inner_mass * ay, *(bearing.roller_mass * rho)]
+    moments = bearing.roller_mass * state.rho**2 * theta
+    steps = np.diag([*np.full(n + 2, 1e-9), *np.full(n, 1e-8)])
+    energy = [[at(start + sign * h)[1].energy.sum() for h in steps] for sign in (1.0, -1.0)]
+    gradient = np.subtract(*energy) / (2.0 * steps.max(axis=1))
+    assert_allclose(forces, -gradient[: n + 2], atol=2e-3, rtol=1e-4)
+    assert_allclose(moments, -gradient[n + 2 :], atol=2e-5, rtol=1e-4)
+    return contacts, moments
+
+
 @pytest.mark.parametrize("law", ["harris", "johnson"])
 def test_forces_at_edges_are_the_gradient_of_the_energy(law):
     """Rollers 20 µm and more beside the edge of a spall, on raceways and on a roller, by every coordinate."""
     faults = deep("outer_ring", DOWN), deep("inner_ring", DOWN + 0.4735), deep("roller", 0.3)
-    bearing, laws, n = replace(PAPER, faults=faults), contact_laws(law, PAPER), 13
-    operation, track = replace(RUNNING, gravity=0.0, radial_load=0.0), 0.023
-    angle = DOWN + 0.0175 + np.arange(n) * 2 * np.pi / n
-    start = np.concatenate([[1e-6, -4e-6], np.full(n, track + 2e-6), angle])
+    start = np.concatenate([[1e-6, -4e-6], np.full(13, 0.023002), DOWN + 0.0175 + np.arange(13) * 2 * np.pi / 13])
     turns = Turns(inner_ring=0.0, rollers=DOWN + 0.0175 - 0.3 - 0.0895)
-
-    def state(values):
-        rest = np.zeros(n)
-        return State(x=values[0], y=values[1], rho=values[2 : n + 2], theta=values[n + 2 :], x_rate=0.0, y_rate=0.0,
-                     rho_rate=rest, theta_rate=rest, turns=turns)  # fmt: skip
-
-    def energy(values):
-        return contact_state(bearing, laws, state(values)).energy.sum()
-
-    contacts = contact_state(bearing, laws, state(start))
+    contacts, _ = assert_gradient(faults, contact_laws(law, PAPER), start, turns)
     assert contacts.compliances[1][0] > 1e-10 and contacts.outer_force[0] > 100.0
     assert contacts.compliances[0][1] > 1e-10 and contacts.inner_force[1] > 50.0
-    ax, ay, rho, theta = accelerations(bearing, operation, state(start), contacts)
-    mass = bearing.roller_mass
-    forces = np.array([operation.inner_mass * ax, operation.inner_mass * ay, *(mass * rho)])
-    steps = np.diag([*np.full(n + 2, 1e-9), *np.full(n, 1e-8)])
-    gradient = np.array([(energy(start + h) - energy(start - h)) / (2.0 * h.max()) for h in steps])
-    assert_allclose(forces, -gradient[: n + 2], atol=2e-3, rtol=1e-4)
-    assert_allclose(mass * start[2 : n + 2] ** 2 * theta, -gradient[n + 2 :], atol=2e-5, rtol=1e-4)
+
+
+def test_forces_on_slopes_of_all_four_surfaces_are_the_gradient_of_the_energy():
+    places = 0.023 + np.random.default_rng(3).uniform(-1e-6, 1e-6, 13)
+    start = np.concatenate([[1e-6, -12e-6], places, DOWN + 0.015 + np.arange(13) * 0.47])
+    faults = *wavy(), spall("outer_ring", DOWN), spall("inner_ring", DOWN + 0.45)
+    contacts, moments = assert_gradient(faults, HARRIS, start, Turns(inner_ring=-0.01, rollers=0.2))
+    assert np.abs(contacts.outer_slope).max() > 0.01 and np.count_nonzero(moments) > 5
 
 
 @pytest.mark.parametrize(("body", "angle"), [("outer_ring", 3.0), ("inner_ring", -5.0)])

@@ -190,7 +190,6 @@ def test_balls_and_rollers_keep_their_own_laws_and_unknown_names_list_the_known(
 
 
 def test_overlaps_are_those_of_plain_distances_and_directions_their_derivatives():
-    """Equations (19), (26), (27); hub and rollers off their places by micrometres."""
     random, step, round_off = np.random.default_rng(3), 1e-7, 4.0 * np.finfo(float).eps
     x, y = 5e-6 * random.standard_normal((2, 200))
     rho, theta = PAPER.pitch_radius + 5e-6 * random.standard_normal((200, 1)), random.uniform(0.0, 2.0 * pi, (200, 1))

@@ -7,21 +7,10 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from lagrange.bearing import Operation
+from lagrange import motion
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import ContactLaws, PowerLaw, contact_laws
-from lagrange.equations import error_forces
 from lagrange.kinematics import kinematics
-from lagrange.motion import (
-    State,
-    accelerations,
-    angular_equations,
-    contact_state,
-    hub_equations,
-    kinetic_energy,
-    radial_equations,
-    rotation_energy,
-)
 from lagrange.statics import static_equilibrium
 from tests.reference.continua import SJOVALL, stribeck_number
 from tests.reference.forward_motion import derived_equations
@@ -38,15 +27,13 @@ def power_law(stiffness, exponent):
 
 
 def laws(exponent):
-    """Different inner and outer, with the size of real ones."""
     at_1_um = HARRIS.inner.force(1e-6)
     return ContactLaws(*(power_law(k * at_1_um / 1e-6**exponent, exponent) for k in (1.0, 1.3)))
 
 
 def random_state(rng, shape=()):
-    """Approaches of ± some 0.1 mm: open and closed contacts."""
     wide = (*shape, N)
-    return State(
+    return motion.State(
         x=rng.uniform(-1e-4, 1e-4, shape), y=rng.uniform(-1e-4, 1e-4, shape),
         rho=BEARING.pitch_radius + rng.uniform(-2e-4, 2e-4, wide), theta=rng.uniform(-np.pi, np.pi, wide),
         x_rate=rng.uniform(-1.0, 1.0, shape), y_rate=rng.uniform(-1.0, 1.0, shape),
@@ -55,9 +42,9 @@ def random_state(rng, shape=()):
 
 
 def left_sides(pair, state, ax, ay, rho_acc, theta_acc, damping=0.0):
-    touch = contact_state(BEARING, pair, state, ContactDamping(constant=damping))
-    hub, of = hub_equations(RUNNING, state, touch, ax, ay), (BEARING, RUNNING, state, touch)
-    return touch, [*hub, radial_equations(*of, rho_acc), angular_equations(*of, theta_acc)]
+    touch = motion.contact_state(BEARING, pair, state, ContactDamping(constant=damping))
+    hub, of = motion.hub_equations(RUNNING, state, touch, ax, ay), (BEARING, RUNNING, state, touch)
+    return touch, [*hub, motion.radial_equations(*of, rho_acc), motion.angular_equations(*of, theta_acc)]
 
 
 @pytest.mark.parametrize("damping", [0.0, 20.0], ids=["undamped", "damped"])
@@ -88,29 +75,20 @@ def test_equations_are_those_that_computer_algebra_derives(exponent, damping):
 
 def test_accelerations_fulfil_all_equations():
     state = random_state(np.random.default_rng(8), (20,))
-    touch = contact_state(BEARING, laws(10 / 9), state)
-    _, left = left_sides(laws(10 / 9), state, *accelerations(BEARING, RUNNING, state, touch))
+    touch = motion.contact_state(BEARING, laws(10 / 9), state)
+    _, left = left_sides(laws(10 / 9), state, *motion.accelerations(BEARING, RUNNING, state, touch))
     for found, allowed in zip(left, (1e-12, 1e-12, 1e-12, 1e-13), strict=True):
         assert np.max(np.abs(found)) < allowed * np.max(touch.inner_force)
 
 
-@pytest.mark.parametrize(("exponent", "excess"), [(10 / 9, 1 / 18), (1.5, 0.25)])
-def test_printed_form_makes_the_radial_force_too_large(exponent, excess):
-    """The paper prints (21) with V = Σ ½ k δ² of the secant stiffness k = Q/δ: a force of ½ (Q + δ dQ/dδ)."""
-    approach = np.random.default_rng(9).uniform(0.0, 2e-5, 20)
-    for law in laws(exponent):
-        printed = 0.5 * (law.force(approach) + approach * law.slope(approach))
-        np.testing.assert_allclose(printed - law.force(approach), excess * law.force(approach), rtol=1e-9, atol=1e-9)
-
-
 def test_damped_contacts_lose_power_and_never_pull():
     pair, state, step = laws(1.5), random_state(np.random.default_rng(10), (500,)), 1e-9
-    plain = contact_state(BEARING, pair, state)
-    touch = contact_state(BEARING, pair, state, damping=ContactDamping(constant=500.0))
+    plain = motion.contact_state(BEARING, pair, state)
+    touch = motion.contact_state(BEARING, pair, state, damping=ContactDamping(constant=500.0))
     assert np.all(touch.inner_force[plain.inner <= 0.0] == 0.0)
     # rates of the approaches by moving the state a little
     moves = {name: getattr(state, name) + step * getattr(state, f"{name}_rate") for name in ("x", "y", "rho", "theta")}
-    later = contact_state(BEARING, pair, replace(state, **moves))
+    later = motion.contact_state(BEARING, pair, replace(state, **moves))
     for side in ("inner", "outer"):
         rate, force = (getattr(later, side) - getattr(plain, side)) / step, getattr(touch, f"{side}_force")
         extra, free = force - getattr(plain, f"{side}_force"), (force > 0.0) & (np.abs(rate) > 0.1)
@@ -125,18 +103,18 @@ def test_rotation_energy_done_by_hand(bearing, share):
     spin = 50.0 * b / r  # about its own axis, in the fixed frame
     elements = bearing.n_rollers * share * bearing.roller_mass * r**2 * spin**2 / 2
     shaft = (bearing.inner_ring_mass * (a**2 + b**2) / 2 + 0.02 * a**2 / 2) * 100.0**2 / 2
-    assert rotation_energy(bearing, operation) == pytest.approx(elements + shaft, rel=1e-12)
+    assert motion.rotation_energy(bearing, operation) == pytest.approx(elements + shaft, rel=1e-12)
 
 
 def test_energies_of_a_state_done_by_hand():
     pair, depth, zero = laws(10 / 9), 2e-6, np.zeros(N)
     rho = BEARING.outer_raceway_radius - BEARING.roller_radius + depth
-    state = State(x=0.0, y=0.0, rho=zero + rho, theta=np.array([0.0, np.pi / 2, np.pi]), x_rate=3.0, y_rate=4.0,
+    state = motion.State(x=0.0, y=0.0, rho=zero + rho, theta=np.array([0.0, np.pi / 2, np.pi]), x_rate=3.0, y_rate=4.0,
                   rho_rate=zero + 1.0, theta_rate=zero + 100.0)  # fmt: skip
     expected = 12.5 * RUNNING.inner_mass + 1.5 * BEARING.roller_mass * (1.0 + (100.0 * rho) ** 2)
-    assert kinetic_energy(BEARING, RUNNING, state) == pytest.approx(expected, rel=1e-14)
+    assert motion.kinetic_energy(BEARING, RUNNING, state) == pytest.approx(expected, rel=1e-14)
     stored = 3 * pair.outer.stiffness * depth ** (19 / 9) * 9 / 19
-    assert contact_state(BEARING, pair, state).energy.sum() == pytest.approx(stored, rel=1e-10)
+    assert motion.contact_state(BEARING, pair, state).energy.sum() == pytest.approx(stored, rel=1e-10)
 
 
 # Kinematics, and equations (22), (23).
@@ -163,23 +141,17 @@ def test_rolling_without_slip_at_both_raceways_and_the_papers_masses():
     assert PAPER.radial_clearance == pytest.approx(0.0, abs=1e-15)
 
 
-def test_errors_have_the_signs_of_equations_22_and_23():
-    operation = Operation(speed=0.0, radial_load=100.0, inner_mass=2.0, gravity=10.0, first_roller_angle=0.0)
-    assert error_forces(operation, 3.0, 4.0, 5.0, 7.0) == (2 * 3 - 5, 2 * 4 + 2 * 10 - 7 + 100)
-    assert error_forces(operation, 0.0, 0.0, 0.0, 120.0)[1] == 0.0  # contacts carry load and weight
-
-
 # Statics against independent solutions and the literature's load distribution.
 
 
 def unbalance(bearing, operation, laws, found, cage):
     """Largest left side of (21)-(23) at rest in the turning frame, N."""
     zero = np.zeros(bearing.n_rollers)
-    state = State(x=found.x, y=found.y, rho=found.rho, theta=found.theta, x_rate=0.0, y_rate=0.0, rho_rate=zero,
+    state = motion.State(x=found.x, y=found.y, rho=found.rho, theta=found.theta, x_rate=0.0, y_rate=0.0, rho_rate=zero,
                   theta_rate=zero + cage)  # fmt: skip
-    touch = contact_state(bearing, laws, state)
-    radial = radial_equations(bearing, operation, state, touch, zero)
-    return np.abs(np.hstack([*hub_equations(operation, state, touch, 0.0, 0.0), radial])).max()
+    touch = motion.contact_state(bearing, laws, state)
+    radial = motion.radial_equations(bearing, operation, state, touch, zero)
+    return np.abs(np.hstack([*motion.hub_equations(operation, state, touch, 0.0, 0.0), radial])).max()
 
 
 @pytest.mark.parametrize(("first_angle", "loads", "approach"), [

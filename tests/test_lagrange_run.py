@@ -39,7 +39,6 @@ def run(path, *arguments):
 
 @pytest.fixture(scope="module")
 def short(tmp_path_factory):
-    """10 ms of the paper's bearing."""
     path = tmp_path_factory.mktemp("ideal") / "ideal.nc"
     assert run(path, "--duration", "10", "--quiet") == 0
     return path
@@ -93,19 +92,6 @@ def test_its_residual_is_the_stated_floor_of_differentiation(law, tmp_path):
             assert np.max(np.abs(others)) < BUDGET
 
 
-def test_statics_of_the_papers_bearing(tmp_path, capsys):
-    """Rigid rings, Harris' law, no gravity: 629.7, 550.1, 335.9, 60.0 N and 4.11 µm (independent solution)."""
-    path = tmp_path / "statics.nc"
-    assert run(path, "--duration", "0", "operation.speed_rpm=0", "operation.gravity_m_s2=0") == 0
-    shown = capsys.readouterr().out
-    assert "y -4.11" in shown and "550.1, 550.1, 335.9, 335.9, 60.0, 60.0 N" in shown
-    with h5py.File(path) as file:
-        assert file["time"].shape == (1,)
-        assert -1e6 * file["inner_y"][0] == pytest.approx(4.11, abs=0.006)
-        loads = np.sort(file["inner_force"][0])[::-1][:7]
-    assert loads == pytest.approx([629.7, 550.1, 550.1, 335.9, 335.9, 60.0, 60.0], abs=0.1)
-
-
 @pytest.fixture
 def balls(tmp_path):
     """Options of the documentation's ball bearing, and its result file."""
@@ -139,14 +125,6 @@ def test_ball_bearing_runs_and_is_checked_by_its_own_law(balls, tmp_path):
     for axis in "xy":
         assert summary[f"budget_{axis}"]["contact_law"] < 1e-9 * 8900.0
         assert summary[f"error_{axis}"]["rms_N"] < 0.1
-
-
-@pytest.mark.parametrize("options", [[], ["--dry-run"]])
-def test_finite_elements_refuse_balls(options, balls, capsys):
-    assert run_main([*balls, "--model", "fem", *options]) == 2
-    assert not Path(balls[2]).exists()
-    error = capsys.readouterr().err
-    assert 'bearing.type = "ball"' in error and "--model lagrange" in error
 
 
 def damped(path, setting, duration):
@@ -225,19 +203,6 @@ def test_dry_run_shows_the_plan_and_writes_nothing(tmp_path, monkeypatch, capsys
     shown = capsys.readouterr().out
     for word in ("degrees of freedom", "15", "time step", "steps", "42000", "memory", "steel on steel", "635.6 N"):
         assert word in shown
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(("arguments", "words"), [
-    (["--resume"], ["a.nc.checkpoint", "nothing to resume"]), (["--estimate-error"], ["--estimate-error", "no mesh"]),
-    (["lagrange.law=hertz"], ["lagrange.law = 'hertz'", "harris"]),
-    (["damping.contact_N_s_m=-1"], ["damping.contact_N_s_m", "0"]),
-    (["lagrange.angles=caged"], ["lagrange.angles", "kinematic"]),
-])  # fmt: skip
-def test_bad_requests_are_refused_by_name(arguments, words, tmp_path, capsys):
-    assert run(tmp_path / "a.nc", *arguments) == 2
-    error = capsys.readouterr().err
-    assert all(word in error for word in words), error
     assert not list(tmp_path.iterdir())
 
 

@@ -18,13 +18,11 @@ N = 8800  # points 20 µm apart on a raceway of 56 mm
 
 
 def table(height, first=0.0, count=N):
-    """Text of a table with heights, µm, by the angle in degrees."""
     angle = first + 360.0 * np.arange(count) / count
     return HEADER + "".join(f"{a:.9g},{height(a):.9g}\n" for a in angle)
 
 
 def scene_with(folder, text, *lines):
-    """A scene in a folder with its table."""
     (folder / "race.csv").write_text(text, encoding="utf-8")
     path = folder / "scene.toml"
     path.write_text("\n".join(['[[profile]]\nfile = "race.csv"', *lines]), encoding="utf-8")
@@ -40,7 +38,6 @@ BODIES = {
 
 
 def sinkage(scene, raceway, angle):
-    """Under roller 3 at angles, rad."""
     surfaces = profiles(scene.ideal_bearing())
     return np.array([getattr(surfaces, raceway)(np.full(13, a), Turns()).sinkage[3] for a in angle])
 

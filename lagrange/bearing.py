@@ -292,11 +292,6 @@ class Cage:
     drag_torque: float  # N m, against the cage's rotation
 
 
-def thin_ring_inertia(bearing: Bearing, mass: float) -> float:
-    """Of a ring with all its mass on the pitch circle, kg m²."""
-    return mass * bearing.pitch_radius**2
-
-
 def room_between_rollers(bearing: Bearing) -> float:
     """Between the surfaces of neighbouring rollers on the pitch circle, m; infinite for a single one."""
     if bearing.pockets == 1:
@@ -338,8 +333,6 @@ def section_operation(bearing: Bearing, operation: Operation) -> Operation:
 
 def section_mounting(bearing: Bearing, mounting: Mounting) -> Mounting:
     """Springs, dashpots and housing as the section has them."""
-    if is_plain(bearing):
-        return mounting
     share, found = 1.0 / stiffness_factor(bearing), {}
     for name in ("shaft", "housing"):
         if (body := getattr(mounting, name)) is not None:

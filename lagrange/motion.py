@@ -34,8 +34,7 @@ from lagrange.surface.deviation import UNTURNED, Falls, SurfaceDeviation, Turns
 Numbers = ndarray | float  # of many instants or of one
 
 
-@dataclass(frozen=True, kw_only=True)
-class Tilts:
+class Tilts(NamedTuple):
     """Slopes of the bodies' axes and their rates; rad, rad/s."""
 
     tilt: ndarray  # (..., n_rollers), τ
@@ -47,11 +46,10 @@ class Tilts:
 
     def as_sample(self) -> "Tilts":
         """Those of one instant as a sample, time first."""
-        return Tilts(**{name: np.asarray(value)[None] for name, value in vars(self).items()})
+        return Tilts(*(np.asarray(value)[None] for value in self))
 
 
-@dataclass(frozen=True, kw_only=True)
-class HubTilt:
+class HubTilt(NamedTuple):
     """How the hub's axis stands: held at a slope, or free about it with an inertia, on the shaft's stiffness."""
 
     slope_x: float  # rad, at which the shaft's springs are slack

@@ -198,7 +198,7 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
     def rate(values, times: int = 1) -> np.ndarray:
         return derivative(values, record.interval, times, order)
 
-    columns = {name: np.asarray(values) for name, values in vars(record.tilts).items() if not name.endswith("rate")}
+    columns = {name: np.asarray(values) for name, values in record.tilts._asdict().items() if not name.endswith("rate")}
     gains = {name: rate(values, 2) for name, values in columns.items()}
     state = State(
         x=record.inner_x, y=record.inner_y, rho=record.rho, theta=theta,

@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import Field
 
 from lagrange.axial.slices import Axial, Profile
-from lagrange.bearing import Bearing, Cage, Guidance, Material, room_between_rollers, thin_ring_inertia
+from lagrange.bearing import Bearing, Cage, Guidance, Material, room_between_rollers
 from lagrange.catalogue import SHAFT_WIDTHS, bearing_keys, has_balls, instead, listed, steel_ring_and_shaft
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import exceeds
@@ -322,8 +322,8 @@ class CageTable(Table):
         """The cage in SI, of a table that is `filled`. ValueError: it is not."""
         if self.mass_kg is None or self.guidance is None:
             raise ValueError("the bearing is not known, and so the cage is not")
-        inertia = thin_ring_inertia(bearing, self.mass_kg) if self.inertia_kg_m2 is None else self.inertia_kg_m2
-        return self.fact(Cage, inertia=inertia)
+        thin_ring = self.mass_kg * bearing.pitch_radius**2
+        return self.fact(Cage, inertia=thin_ring if self.inertia_kg_m2 is None else self.inertia_kg_m2)
 
     @property
     def words(self) -> str:

@@ -287,15 +287,11 @@ class Scene(Table):
             sensor=None if self.sensor is None else self.sensor.fact(Sensor))
 
     @property
-    def parts_of_tilt(self) -> tuple[str, ...]:
-        """Of `lagrange.columns.COLUMNS` that runs of rollers that tilt have."""
-        return ("axial", "damping of tilt")[: 1 + self.damping.contacts.acts] if self.axial is not None else ()
-
-    @property
     def parts(self) -> tuple[str, ...]:
         """Of `lagrange.columns.COLUMNS` that runs have beside those of every run."""
-        there = {"surfaces": self.ideal_bearing().faults, "cage": self.cage, "damping": self.damping.acts}
-        return *self.mounting().parts, *(name for name, is_there in there.items() if is_there), *self.parts_of_tilt
+        there = {"surfaces": self.ideal_bearing().faults, "cage": self.cage, "damping": self.damping.acts,
+            "axial": self.axial, "damping of tilt": self.axial and self.damping.contacts.acts}
+        return *self.mounting().parts, *(name for name, is_there in there.items() if is_there)
 
 
 parse_scene = Scene.parsed  # a scene from nested tables; SceneError: all that is wrong with them

@@ -38,18 +38,8 @@ HOMES = {
     "kinematics": ("Kinematics",),
     "statics": ("Statics", "static_equilibrium"),
 }
-__all__ = [
-    "BallBearing",
-    "Bearing",
-    "ContactLaws",
-    "Kinematics",
-    "Material",
-    "Operation",
-    "Problem",
-    "Statics",
-    "contact_laws",
-    "static_equilibrium",
-]
+__all__ = ["BallBearing", "Bearing", "ContactLaws", "Kinematics", "Material", "Operation", "Problem", "Statics",
+    "contact_laws", "static_equilibrium"]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:

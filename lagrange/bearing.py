@@ -115,10 +115,8 @@ class Bearing:
                 f"{self.inner_raceway_radius:.4g} m"
             )
         if not self.outer_raceway_radius < self.outside_radius:
-            raise ValueError(
-                f"outside radius {self.outside_radius:.4g} m must exceed the outer raceway radius "
-                f"{self.outer_raceway_radius:.4g} m"
-            )
+            raise ValueError(f"outside radius {self.outside_radius:.4g} m must exceed the outer raceway radius "
+                f"{self.outer_raceway_radius:.4g} m")  # fmt: skip
         if self.n_rollers < 1 or self.roller_radius <= 0.0 or self.roller_length <= 0.0:
             raise ValueError("number, radius and length of the rollers must be positive")
 
@@ -324,11 +322,9 @@ def section_operation(bearing: Bearing, operation: Operation) -> Operation:
         of_section = type(history.load)(history.load.c / load, history.load.x)
         unbalance, rotating = history.unbalance / load, history.rotating_load / load
         history = replace(history, load=of_section, unbalance=unbalance, rotating_load=rotating)
-    return replace(
-        operation, radial_load=operation.radial_load / load, side_load=operation.side_load / load,
+    return replace(operation, radial_load=operation.radial_load / load, side_load=operation.side_load / load,
         inner_mass=operation.inner_mass / stiffness, gravity=operation.gravity * bearing.cosine,
-        mounting=section_mounting(bearing, operation.mounting), history=history,
-    )  # fmt: skip
+        mounting=section_mounting(bearing, operation.mounting), history=history)  # fmt: skip
 
 
 def section_mounting(bearing: Bearing, mounting: Mounting) -> Mounting:

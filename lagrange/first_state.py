@@ -114,10 +114,8 @@ def places_moving(now: Statics, found: Passing | None) -> np.ndarray:
 
 def tilts_moving(now: Statics, rates: np.ndarray) -> Tilts:
     """Slopes in an equilibrium and their rates by those of all places, (4 + 2 n_rollers,)."""
-    return Tilts(
-        tilt=now.tilt, tilt_rate=rates[4 + now.tilt.size :],
-        slope_x=now.place[2], slope_y=now.place[3], slope_x_rate=rates[2], slope_y_rate=rates[3],
-    )  # fmt: skip
+    return Tilts(tilt=now.tilt, tilt_rate=rates[4 + now.tilt.size :], slope_x=now.place[2], slope_y=now.place[3],
+        slope_x_rate=rates[2], slope_y_rate=rates[3])  # fmt: skip
 
 
 def surface_speed(bearing: Bearing, operation: Operation) -> float:
@@ -130,11 +128,9 @@ def _moving(bearing, operation, ring, moved, rates, tilts=None):
     """A state of places of hub, radii and tilts with their rates, (4 + 2 n,), at the first angles and cage speed."""
     theta = roller_angles(bearing, operation.first_roller_angle)
     radii = slice(4, 4 + theta.size)
-    return State(
-        x=moved[0], y=moved[1], rho=moved[radii], theta=theta, x_rate=rates[0], y_rate=rates[1], rho_rate=rates[radii],
-        theta_rate=np.zeros_like(theta) + kinematics(bearing, *operation.ring_speeds).cage,
-        ring_x=ring[0], ring_y=ring[1], tilts=tilts,
-    )  # fmt: skip
+    return State(x=moved[0], y=moved[1], rho=moved[radii], theta=theta, x_rate=rates[0], y_rate=rates[1],
+        rho_rate=rates[radii], theta_rate=np.zeros_like(theta) + kinematics(bearing, *operation.ring_speeds).cage,
+        ring_x=ring[0], ring_y=ring[1], tilts=tilts)  # fmt: skip
 
 
 def rest_state(bearing: Bearing, operation: Operation) -> FirstState:
@@ -167,9 +163,8 @@ def equilibrium_state(
         if axial is None:
             return plane
         placement, contacts = Placement(there["angles"], place, there["turns"]), sliced_laws(bearing, axial, laws)
-        return tilted_equilibrium(
-            bearing, acting, contacts, hub_tilt(operation, axial), placement, (plane.hub, plane.rho)
-        )
+        return tilted_equilibrium(bearing, acting, contacts, hub_tilt(operation, axial), placement,
+            (plane.hub, plane.rho))  # fmt: skip
 
     def force_at(place):
         still = still_at(0.0, place)
@@ -181,9 +176,8 @@ def equilibrium_state(
     warning = SOFT if values.size < 2 and operation.fastest > 0.0 else None
     if axial is not None:
         way = DIFFERENCE * surface_speed(bearing, operation)
-        found, warning = passing(
-            lambda shift: still_at(shift, ring), lambda: now.radial_stiffness, bearing, operation, way
-        )
+        found, warning = passing(lambda shift: still_at(shift, ring), lambda: now.radial_stiffness, bearing, operation,
+            way)  # fmt: skip
         rates = places_moving(now, found)
         return FirstState(_moving(bearing, operation, ring, now.moved, rates, tilts_moving(now, rates)), warning)
 
@@ -311,11 +305,9 @@ def sampled(problem: Problem, time: np.ndarray, state: State) -> dict[str, np.nd
     if hub is not None and tilts is not None and touch.tilted is not None:
         off = np.square(tilts.slope_x - hub.slope_x) + np.square(tilts.slope_y - hub.slope_y)
         found["energy_contact"] = found["energy_contact"] + 0.5 * hub.stiffness * off  # of the shaft against tilt
-        found |= dict(
-            roller_tilt=tilts.tilt, roller_skew=per_roller, inner_moment=touch.tilted.inner_moment,
-            outer_moment=touch.tilted.outer_moment,
-            inner_slope_x=zero + tilts.slope_x, inner_slope_y=zero + tilts.slope_y,
-        )  # fmt: skip
+        found |= dict(roller_tilt=tilts.tilt, roller_skew=per_roller, inner_moment=touch.tilted.inner_moment,
+            outer_moment=touch.tilted.outer_moment, inner_slope_x=zero + tilts.slope_x,
+            inner_slope_y=zero + tilts.slope_y)  # fmt: skip
         if problem.damping.acts:
             names = "inner_damping_moment", "outer_damping_moment"
             found |= zip(names, (per_roller + moment for moment in touch.tilted.dampers), strict=True)

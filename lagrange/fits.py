@@ -228,14 +228,12 @@ def operating_clearance(bearing: Bearing, fit: Fit, speed: float, roller_growth:
     grown[1:] += [swell_in * raceway, swell_out * far, fit.roller_expansion * (fit.rollers_C - REFERENCE_C) * roller]
     grown[2] += [inner.spun(raceway, speed), 0.0, 2.0 * roller_growth]
     gained = np.array([-1.0, 1.0, -2.0])  # of clearance, by growth
-    return OperatingClearance(
-        given=2.0 * bearing.radial_clearance, shaft_fit=-grown[0, 0], housing_fit=grown[0, 1],
+    return OperatingClearance(given=2.0 * bearing.radial_clearance, shaft_fit=-grown[0, 0], housing_fit=grown[0, 1],
         temperature=gained @ (grown[1] - grown[0]), speed=gained @ (grown[2] - grown[1]), film=0.0,
         rule_of_thumb=-fit.ring_expansion * (fit.inner_ring_C - fit.outer_ring_C) * 0.5 * (raceway + far),
         thin_ring=-inner.material.density * speed**2 * raceway**3 / (4.0 * inner.material.youngs_modulus),
-        shaft_interference=spinning[0], housing_interference=spinning[1],
-        shaft_pressure=pressures[2][0], housing_pressure=pressures[2][1], grown=tuple(grown[2].tolist()),
-    )  # fmt: skip
+        shaft_interference=spinning[0], housing_interference=spinning[1], shaft_pressure=pressures[2][0],
+        housing_pressure=pressures[2][1], grown=tuple(grown[2].tolist()))  # fmt: skip
 
 
 def in_operation(bearing: Bearing, found: OperatingClearance, own: tuple[float, float]) -> Bearing:

@@ -220,10 +220,8 @@ def contact_state(
     speeds = turns.inner_ring_speed, turns.outer_ring_speed
     passing = [0.0 if surface is None else surface.passing(speed, turns.roller_speed)
                for surface, speed in zip(found.surfaces, speeds, strict=True)]  # fmt: skip
-    closing = (
-        -(found.radial * out + found.tangential * around) + passing[0],
-        state.rho_rate - found.outer_slope * state.rho * state.theta_rate + passing[1],
-    )
+    closing = (-(found.radial * out + found.tangential * around) + passing[0],
+        state.rho_rate - found.outer_slope * state.rho * state.theta_rate + passing[1],)  # fmt: skip
     dampers: Any = 0.0, 0.0
     moments: Any = 0.0, 0.0
     turning: Any = 0.0, 0.0  # rates of misalignments ψ, rad/s
@@ -245,17 +243,15 @@ def contact_state(
         if isinstance(damping, StatedDampers):  # without a force there is no moment
             stated = zip((inner_force, outer_force), damping[2:], springs, strict=True)
             moments = [np.where(force > 0.0, given, -here.moment) for force, given, here in stated]
-        tilted = TiltedContacts(
-            inner_moment=springs[0].moment + moments[0], outer_moment=springs[1].moment + moments[1],
-            normal=found.circle, dampers=tuple(moments), lost=-(moments[0] * turning[0] + moments[1] * turning[1]),
-        )  # fmt: skip
+        tilted = TiltedContacts(inner_moment=springs[0].moment + moments[0],
+            outer_moment=springs[1].moment + moments[1], normal=found.circle, dampers=tuple(moments),
+            lost=-(moments[0] * turning[0] + moments[1] * turning[1]))  # fmt: skip
         push, closed = tilted.inner_moment * at.across / found.distance, inner_force > 0.0
         found = replace(found, aside=found.aside + np.where(closed, push / np.where(closed, inner_force, 1.0), 0.0))
-    return ContactState(
-        **vars(found), inner_force=inner_force, outer_force=outer_force, energy=springs[0].energy + springs[1].energy,
-        inner_closing=closing[0], outer_closing=closing[1], inner_passing=passing[0], outer_passing=passing[1],
-        inner_damper=dampers[0], outer_damper=dampers[1], tilted=tilted,
-    )  # fmt: skip
+    return ContactState(**vars(found), inner_force=inner_force, outer_force=outer_force,
+        energy=springs[0].energy + springs[1].energy, inner_closing=closing[0], outer_closing=closing[1],
+        inner_passing=passing[0], outer_passing=passing[1], inner_damper=dampers[0], outer_damper=dampers[1],
+        tilted=tilted)  # fmt: skip
 
 
 def radial_equations(

@@ -261,11 +261,10 @@ class _Row:
 
     def statics(self, moved, here, stiffness):
         inner, outer, inner_moment, outer_moment = here.forces.reshape(4, -1)
-        return Statics(
-            place=moved[:4], rho=moved[self.rho], tilt=moved[self.tilt], theta=self.placement.theta, inner_force=inner,
-            outer_force=outer, inner_moment=-inner_moment, outer_moment=-outer_moment, own=here.own.reshape(2, -1),
-            is_free=bool(self.moves[2]), on_hub=-(here.ways.T @ here.forces)[2:4], stiffness=stiffness,
-        )  # fmt: skip
+        return Statics(place=moved[:4], rho=moved[self.rho], tilt=moved[self.tilt], theta=self.placement.theta,
+            inner_force=inner, outer_force=outer, inner_moment=-inner_moment, outer_moment=-outer_moment,
+            own=here.own.reshape(2, -1), is_free=bool(self.moves[2]), on_hub=-(here.ways.T @ here.forces)[2:4],
+            stiffness=stiffness)  # fmt: skip
 
     def upright(self, hub):
         """Places with parallel axes to begin from: rollers between both raceways, or on the one that bears them."""

@@ -335,10 +335,8 @@ WIDE = {628.5: 1.35e-4, 2000.0: 1.6e-4}  # m, half of the meshed width, by load
 
 @cache
 def yardstick(pair, load: float, profile: str, slope: float, along: int = 200) -> Pressed:
-    return pressed(
-        pair.relative_radius, LENGTH, pair.modulus, load, lambda z: PROFILES[profile].drop(z, PAPER), slope,
-        cells=(56, along), wide=WIDE[load],
-    )  # fmt: skip
+    return pressed(pair.relative_radius, LENGTH, pair.modulus, load, lambda z: PROFILES[profile].drop(z, PAPER), slope,
+        cells=(56, along), wide=WIDE[load])  # fmt: skip
 
 
 @pytest.mark.parametrize(("pair", "load", "profile", "mrad", "peak", "place", "approach", "moment", "within"), [
@@ -375,10 +373,9 @@ def half_space_slices(pair, profile: str, count: int, coupled: bool = True) -> s
     far = np.where(m == 1, 2.0 * log(2.0), far)
     coupling = 2.0 * np.where(m == 0, own, far) / (pi * 2.0 * pair.modulus * h)
     b_squared = pair.half_width_factor
-    law = LogarithmicLaw(
-        name="half-spaces", compliance=0.5 * pair.line_compliance, level=2.0 * log(4.0 * DEPTH) + 1.0 - log(b_squared),
-        largest_force=(h / WIDTHS) ** 2 / b_squared if coupled else 1e5, source="Johnson 1985",
-    )  # fmt: skip
+    law = LogarithmicLaw(name="half-spaces", compliance=0.5 * pair.line_compliance,
+        level=2.0 * log(4.0 * DEPTH) + 1.0 - log(b_squared), largest_force=(h / WIDTHS) ** 2 / b_squared if coupled
+        else 1e5, source="Johnson 1985")  # fmt: skip
     drop = PROFILES[profile].drop(middles(count), PAPER)
     return slicing.Slices(law=law, place=middles(count), drop=drop, coupling=coupling if coupled else None)
 
@@ -501,9 +498,8 @@ def test_a_file_gives_the_pressures_of_the_statics(tmp_path):
 
 
 def test_a_place_bears_the_force_and_moment_that_it_was_asked_for_and_a_file_keeps_the_slices(tmp_path):
-    own, _ = slicing.contact_slices(
-        PAPER, Scene(model="lagrange", axial={"slices": 21}).ideal_axial(), contact_laws("johnson", PAPER)
-    )
+    own, _ = slicing.contact_slices(PAPER, Scene(model="lagrange", axial={"slices": 21}).ideal_axial(),
+        contact_laws("johnson", PAPER))  # fmt: skip
     approach, slope = placed(own, 600.0, 1.2)
     sums = own.sums(np.array([approach]), np.array([slope]))
     assert (sums.force[0], sums.moment[0]) == (pytest.approx(600.0, rel=1e-5), pytest.approx(1.2, rel=1e-4))
@@ -527,10 +523,9 @@ def test_a_place_bears_the_force_and_moment_that_it_was_asked_for_and_a_file_kee
 
 
 def axial(profile: str, slices: int, coupling: bool) -> slicing.Axial:
-    return slicing.Axial(
-        roller=slicing.Profile(kind=profile, crown=1e-5, load=700.0 if profile == "lundberg" else 0.0), slices=slices,
-        inner_raceway=slicing.Profile(), outer_raceway=slicing.Profile(), coupling=coupling, ring_width=0.02,
-    )  # fmt: skip
+    return slicing.Axial(roller=slicing.Profile(kind=profile, crown=1e-5, load=700.0 if profile == "lundberg" else 0.0),
+        slices=slices, inner_raceway=slicing.Profile(), outer_raceway=slicing.Profile(), coupling=coupling,
+        ring_width=0.02)  # fmt: skip
 
 
 @cache
@@ -595,10 +590,8 @@ def test_stiffness_is_what_a_small_slope_shows_and_springs_hold_a_tilted_shaft()
 
 def rigid_rings(profile: str, mrad: float, **free: float) -> Statics:
     laws = sliced_laws(PAPER, axial(profile, 40, False), contact_laws("iso16281", PAPER))
-    acting, hub = (
-        operation(speed=0.0, gravity=0.0, radial_load=LOAD),
-        HubTilt(slope_x=0.0, slope_y=-1e-3 * mrad, **free),
-    )
+    acting = operation(speed=0.0, gravity=0.0, radial_load=LOAD)
+    hub = HubTilt(slope_x=0.0, slope_y=-1e-3 * mrad, **free)
     start = np.array([0.0, -1e-5]), np.full(PAPER.n_rollers, PAPER.pitch_radius)
     return tilted_equilibrium(PAPER, acting, laws, hub, Placement(roller_angles(PAPER, ON_A_ROLLER)), start)
 
@@ -637,19 +630,15 @@ def started(path, *settings: str) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize(("clearance", "load", "mrad"), [(30, 50, 1), (50, 1000, 4)])
 def test_a_bearing_in_clearance_without_weight_and_speed_stands_on_its_loaded_rollers(tmp_path, clearance, load, mrad):
     """Rollers that bear nothing rest between the raceways; rigid rings on slices have the same hub within 5 %."""
-    scene = [
-        f"bearing.clearance_um={clearance}", f"operation.radial_load_N={load}", "operation.speed_rpm=0",
-        f"operation.misalignment_mrad={mrad}", "operation.gravity_m_s2=0", "axial.slices=11",
-    ]  # fmt: skip
+    scene = [f"bearing.clearance_um={clearance}", f"operation.radial_load_N={load}", "operation.speed_rpm=0",
+        f"operation.misalignment_mrad={mrad}", "operation.gravity_m_s2=0", "axial.slices=11"]  # fmt: skip
     hub, force = started(tmp_path / "run.nc", "model=reduced", *scene)
     assert force == pytest.approx([0.0, load], abs=1e-4 * load)
     assert hub[1] == pytest.approx(started(tmp_path / "run.nc", "model=lagrange", *scene)[0][1], rel=0.05)
 
 
 def test_a_free_slope_that_no_contact_holds_stays_where_it_is(tmp_path):
-    hub, force = started(
-        tmp_path / "run.nc", "model=lagrange", "bearing.clearance_um=30", "operation.radial_load_N=20",
+    hub, force = started(tmp_path / "run.nc", "model=lagrange", "bearing.clearance_um=30", "operation.radial_load_N=20",
         "operation.speed_rpm=1000", "operation.gravity_m_s2=0", "axial.roller_profile=crowned", "axial.crown_um=1",
-        "axial.hub_tilt_inertia_kg_m2=1e-4", "axial.slices=15",
-    )  # fmt: skip
+        "axial.hub_tilt_inertia_kg_m2=1e-4", "axial.slices=15")  # fmt: skip
     assert force == pytest.approx([0.0, 20.0], abs=1e-3) and hub[0] == pytest.approx(0.0, abs=1e-8)

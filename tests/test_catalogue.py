@@ -23,10 +23,8 @@ from residual.check_vibration import main as vibration_main
 from tests.measurements import DOCS, markdown_table, publish
 
 ONE_OF_EACH = "NU205 N206 NUP210 NU2220 NJ304 NU2310 NU1010 NCF3006 NJG2308 NA4900 NA4914".split()
-COLUMNS = (
-    "", "bore, mm", "outside, mm", "width, mm", "F, mm", "E, mm", "C, kN", "C0, kN", "clearance, µm", "elements",
-    "Ø, mm", "length, mm", "C, %", "C0, %", "catalogue",
-)  # fmt: skip
+COLUMNS = ("", "bore, mm", "outside, mm", "width, mm", "F, mm", "E, mm", "C, kN", "C0, kN", "clearance, µm", "elements",
+    "Ø, mm", "length, mm", "C, %", "C0, %", "catalogue")  # fmt: skip
 
 
 def scene_of(name: str, *settings: str):
@@ -166,12 +164,10 @@ def test_what_is_not_in_the_table_is_answered_with_what_to_give(written, advice)
         scene_of(written)
 
 
-KINDS = {
-    "51110": "thrust ball", "81107": "thrust roller", "29412E": "spherical thrust", "RB3010": "crossed roller",
+KINDS = {"51110": "thrust ball", "81107": "thrust roller", "29412E": "spherical thrust", "RB3010": "crossed roller",
     "QJ206": "four-point contact", "NATR 17": "track roller", "UC205": "inside it is the ball bearing 6205",
     "1206": "self-aligning", "22208": "spherical", "GE 20 ES": "plain bearing", "HR30206J": "a tapered bearing",
-    "NU212M/C3VL0241": "VL0241 is unknown after NU212",
-}  # fmt: skip
+    "NU212M/C3VL0241": "VL0241 is unknown after NU212"}  # fmt: skip
 
 
 @pytest.mark.parametrize("written", KINDS)

@@ -97,10 +97,9 @@ def test_brute_force_never_gets_deeper_nor_stops_short():
 
 def test_waves_and_sizes_add_up_and_profiles_turn_with_their_bodies():
     """At every contact a larger roller takes half of its diameter's deviation."""
-    surfaces, angle = of_faults(
-        wave("inner_ring", 12, 0.5e-6, 0.4), wave("inner_ring", 7, 0.2e-6), wave("roller", 2, 0.3e-6, roller=2),
-        UnequalRoller(roller=2, diameter_deviation=1e-6),
-    ), np.linspace(-4.0, 4.0, 57)  # fmt: skip
+    larger, angle = UnequalRoller(roller=2, diameter_deviation=1e-6), np.linspace(-4.0, 4.0, 57)
+    on_ring = wave("inner_ring", 12, 0.5e-6, 0.4), wave("inner_ring", 7, 0.2e-6)
+    surfaces = of_faults(*on_ring, wave("roller", 2, 0.3e-6, roller=2), larger)
     ring = -0.5e-6 * np.cos(12 * angle + 0.4) - 0.2e-6 * np.cos(7 * angle)
     on_roller = -0.5e-6 - 0.3e-6 * np.cos(2 * angle)
     assert_allclose(inner(surfaces, angle, roller=1), ring, atol=1e-12)
@@ -151,10 +150,8 @@ def test_forces_at_edges_are_those_of_half_planes_which_are_hertz_contacts_far_f
     """Measured: within 3.1 %, where the sinkage alone is off by up to 46 %."""
     spall, pair, law = deep(body), contact_pairs(PAPER)[kind], contact_laws("johnson", PAPER)[kind]
     half = spall.half_opening(PAPER.roller_radius)
-    reference = EdgeContact(
-        radius=pair.radii[0], roller_radius=PAPER.roller_radius, compliance=pair.line_compliance,
-        level=0.5 * law.level, half_opening=half, edge_radius=spall.edge_radius, beside=0.4e-3,
-    )  # fmt: skip
+    reference = EdgeContact(radius=pair.radii[0], roller_radius=PAPER.roller_radius, compliance=pair.line_compliance,
+        level=0.5 * law.level, half_opening=half, edge_radius=spall.edge_radius, beside=0.4e-3)  # fmt: skip
     for approach in (0.5e-6, 2e-6):
         force, pressure = reference.press(half + 0.15e-3, approach)
         assert force == pytest.approx(law.force(approach), rel=5e-4)

@@ -98,12 +98,10 @@ def test_johnson_is_smooth_where_its_tangent_takes_over():
 
 
 # Harris, Rolling Bearing Analysis (4th ed. 2001), table 6.1: F(ρ), δ*
-HARRIS = [
-    (0.0, 1.0), (0.1075, 0.9974), (0.3204, 0.9761), (0.4795, 0.9429), (0.5916, 0.9077), (0.6716, 0.8733),
+HARRIS = [(0.0, 1.0), (0.1075, 0.9974), (0.3204, 0.9761), (0.4795, 0.9429), (0.5916, 0.9077), (0.6716, 0.8733),
     (0.7332, 0.8394), (0.7948, 0.7961), (0.83495, 0.7602), (0.87366, 0.7169), (0.90999, 0.6636), (0.93657, 0.6112),
-    (0.95738, 0.5551), (0.9729, 0.4960), (0.983797, 0.4352), (0.990902, 0.3745), (0.995112, 0.3176),
-    (0.9973, 0.2705), (0.9981847, 0.2427), (0.9989156, 0.2106), (0.9994785, 0.17167), (0.9998527, 0.11995),
-]  # fmt: skip
+    (0.95738, 0.5551), (0.9729, 0.4960), (0.983797, 0.4352), (0.990902, 0.3745), (0.995112, 0.3176), (0.9973, 0.2705),
+    (0.9981847, 0.2427), (0.9989156, 0.2106), (0.9994785, 0.17167), (0.9998527, 0.11995)]  # fmt: skip
 
 
 def test_delta_star_agrees_with_harris_table_and_falls_from_circle_to_line():
@@ -238,10 +236,8 @@ def test_a_rigid_body_adds_no_compliance_but_two_rigid_rollers_have_their_materi
 
 EXPONENT = 10.0 / 9.0
 K = 7.86e4 * 9.6 ** (8.0 / 9.0) * 1e3**EXPONENT  # N/m^n, of a roller of 9.6 mm, as Harris gives it in N and mm
-SIZES = {
-    "rollers": 14, "roller_diameter_mm": 10.0, "roller_length_mm": 9.6, "inner_raceway_diameter_mm": 54.9947,
-    "clearance_um": 40.6, "bore_diameter_mm": 45.0, "outside_diameter_mm": 85.0,
-}  # fmt: skip
+SIZES = {"rollers": 14, "roller_diameter_mm": 10.0, "roller_length_mm": 9.6, "inner_raceway_diameter_mm": 54.9947,
+    "clearance_um": 40.6, "bore_diameter_mm": 45.0, "outside_diameter_mm": 85.0}  # fmt: skip
 OWN = {"law": "power", "contact_stiffness_N_per_m_n": [K, K], "contact_exponent": EXPONENT}
 STILL = {"radial_load_N": 4450.0, "speed_rpm": 0.0, "gravity_m_s2": 0.0}
 FORCES = np.array([10.0, 50.0, 200.0, 500.0, 1000.0, 2000.0, 3000.0])
@@ -310,8 +306,7 @@ def test_a_run_its_check_and_its_rating_with_a_table(tmp_path, capsys, monkeypat
     assert np.diag(lowest) == pytest.approx([67.0e6, 473.0e6], rel=3e-3)
 
 
-REFUSED = {
-    "which": ({"law": "power"}, None, "needs contact_stiffness_N_per_m_n = "),
+REFUSED = {"which": ({"law": "power"}, None, "needs contact_stiffness_N_per_m_n = "),
     "half of it": ({"contact_stiffness_N_per_m_n": [1e9, 1e9]}, None, "give both, or neither"),
     "of one raceway": ({"contact_stiffness_N_per_m_n": [1e9], "contact_exponent": 1.1}, None, "at least 2 items"),
     "negative": ({"contact_stiffness_N_per_m_n": [1e9, -1.0], "contact_exponent": 1.1}, None, "equal to 1000"),
@@ -320,8 +315,7 @@ REFUSED = {
     "no units": ({}, table(header="force; approach"), "column force: its unit must be one of N, mN, kN, lbf"),
     "one row": ({}, table(FORCES[:1]), "at least 3 different approaches"),
     "exchanged": ({}, table(header="approach [um]; force [kN]"), "are the columns exchanged"),
-    "pulling": ({}, table().replace("0.5;", "-0.5;"), "must both be above 0"),
-}  # fmt: skip
+    "pulling": ({}, table().replace("0.5;", "-0.5;"), "must both be above 0")}  # fmt: skip
 
 
 @pytest.mark.parametrize("case", REFUSED)

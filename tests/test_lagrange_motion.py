@@ -33,12 +33,10 @@ def laws(exponent):
 
 def random_state(rng, shape=()):
     wide = (*shape, N)
-    return motion.State(
-        x=rng.uniform(-1e-4, 1e-4, shape), y=rng.uniform(-1e-4, 1e-4, shape),
+    return motion.State(x=rng.uniform(-1e-4, 1e-4, shape), y=rng.uniform(-1e-4, 1e-4, shape),
         rho=BEARING.pitch_radius + rng.uniform(-2e-4, 2e-4, wide), theta=rng.uniform(-np.pi, np.pi, wide),
         x_rate=rng.uniform(-1.0, 1.0, shape), y_rate=rng.uniform(-1.0, 1.0, shape),
-        rho_rate=rng.uniform(-1.0, 1.0, wide), theta_rate=rng.uniform(-400.0, 400.0, wide),
-    )  # fmt: skip
+        rho_rate=rng.uniform(-1.0, 1.0, wide), theta_rate=rng.uniform(-400.0, 400.0, wide))  # fmt: skip
 
 
 def left_sides(pair, state, ax, ay, rho_acc, theta_acc, damping=0.0):

@@ -70,9 +70,8 @@ def test_energy_is_kept_while_elements_pass_through_the_load_zone(bearing, opera
 
 def test_free_rollers_keep_the_angular_momentum():
     operation = replace(RUNNING, gravity=0.0, radial_load=0.0)
-    run = simulate(
-        Problem(PRELOADED, operation, contact_laws("harris", PRELOADED), start="rest", angles="free"), 2e-4, 1e-5
-    )
+    run = simulate(Problem(PRELOADED, operation, contact_laws("harris", PRELOADED), start="rest", angles="free"), 2e-4,
+        1e-5)  # fmt: skip
     orbits = PAPER.roller_mass * np.sum(run.roller_rho**2 * run.roller_theta_rate, axis=1)
     hub = operation.inner_mass * (run.inner_x * run.inner_vy - run.inner_y * run.inner_vx)
     np.testing.assert_allclose(orbits + hub, orbits[0], rtol=1e-12)
@@ -141,9 +140,8 @@ def test_two_bodies_bounce_through_a_dashpot_as_theory_says(ratio, monkeypatch):
     decay, root = ratio / sqrt(1.0 - ratio**2), sqrt(1.0 - ratio**2)
     leaves = pi - atan2(2.0 * ratio * root, 1.0 - 2.0 * ratio**2)
     assert thrown(damping, 0.1) == pytest.approx(exp(-decay * leaves), rel=1e-5)
-    monkeypatch.setattr(
-        "lagrange.contact.damping.damper_force", lambda spring, rate, c: np.where(spring > 0.0, c * rate, 0.0)
-    )
+    monkeypatch.setattr("lagrange.contact.damping.damper_force", lambda spring, rate,
+        c: np.where(spring > 0.0, c * rate, 0.0))  # fmt: skip
     assert thrown(damping, 0.1) == pytest.approx(exp(-pi * decay), rel=1e-5)
 
 
@@ -164,13 +162,9 @@ STANDING = replace(RUNNING, speed=0.0, gravity=0.0)
 
 # rigid rings, Harris' law, the roller on the load line sunk by h: hub and loads from the load line outwards, from an
 # independent solution; m and N
-SUNK = {
-    1e-6: (4.4269e-6, 513.8, 596.6, 364.3, 65.1),
-    2e-6: (4.7323e-6, 399.5, 642.5, 392.4, 70.1),
-    3e-6: (5.0301e-6, 287.2, 687.6, 419.9, 75.0),
-    5e-6: (5.5926e-6, 73.1, 773.5, 472.4, 84.4),
-    8e-6: (5.7832e-6, 0.0, 802.9, 490.3, 87.6),
-}
+SUNK = {1e-6: (4.4269e-6, 513.8, 596.6, 364.3, 65.1), 2e-6: (4.7323e-6, 399.5, 642.5, 392.4, 70.1),
+    3e-6: (5.0301e-6, 287.2, 687.6, 419.9, 75.0), 5e-6: (5.5926e-6, 73.1, 773.5, 472.4, 84.4),
+    8e-6: (5.7832e-6, 0.0, 802.9, 490.3, 87.6)}  # fmt: skip
 
 
 @pytest.mark.parametrize(("body", "angle"), [("outer_ring", DOWN), ("inner_ring", DOWN), ("roller", -DOWN)])
@@ -281,11 +275,9 @@ def test_equations_with_tilt_are_those_that_computer_algebra_derives():
     across, along = motion.roller_inertias(BEARING)
     spin = kinematics(BEARING, OPERATION.speed).roller
     b, o, rng = BEARING, OPERATION, np.random.default_rng(11)
-    parameters = (
-        b.roller_mass, o.inner_mass, o.gravity, o.radial_load, b.inner_raceway_radius, b.outer_raceway_radius,
+    parameters = (b.roller_mass, o.inner_mass, o.gravity, o.radial_load, b.inner_raceway_radius, b.outer_raceway_radius,
         b.roller_radius, LAWS[0].stiffness, LAWS[1].stiffness, across, along, spin, hub.inertia,
-        motion.hub_axial_inertia(b, o), o.speed, hub.stiffness, hub.slope_x, hub.slope_y,
-    )  # fmt: skip
+        motion.hub_axial_inertia(b, o), o.speed, hub.stiffness, hub.slope_x, hub.slope_y,)  # fmt: skip
     worst, closed = np.zeros(8), 0
     for _ in range(25):
         state = random_state(rng)
@@ -403,10 +395,8 @@ def test_a_roller_over_a_spall_of_half_the_length_stands_in_equilibrium():
     assert touch.compliances[1][1] > 1e-10 and touch.outer_force[1] > 100.0
 
 
-FREE = {
-    "axial__hub_tilt_inertia_kg_m2": 1.03e-5, "axial__shaft_tilt_stiffness_N_m_rad": 2000.0,
-    "operation__misalignment_mrad": 1.0,
-}  # fmt: skip
+FREE = {"axial__hub_tilt_inertia_kg_m2": 1.03e-5, "axial__shaft_tilt_stiffness_N_m_rad": 2000.0,
+    "operation__misalignment_mrad": 1.0}  # fmt: skip
 
 
 def scene(**changes):
@@ -457,15 +447,11 @@ def test_energy_of_rollers_that_tilt_balances(angles):
 
 
 PARTS = (*(name for name in COMPARED if name[:7] not in ("housing", "sensor_")), "energy_error")
-STARTS = {
-    "in equilibrium": {},
-    "from rest": dict(start="rest", load_ramp=4e-4),
-    "free": dict(angles="free"),
+STARTS = {"in equilibrium": {}, "from rest": dict(start="rest", load_ramp=4e-4), "free": dict(angles="free"),
     "damped": dict(damping=ContactDamping(constant=200.0), start="rest", load_ramp=4e-4),
     "damped, free": dict(damping=ContactDamping(constant=200.0), start="rest", angles="free"),
     "damped by a time": dict(damping=ContactDamping(time=2e-6), start="rest", load_ramp=4e-4),
-    "Hunt and Crossley": dict(damping=ContactDamping(hunt_crossley=1.0), start="rest", load_ramp=4e-4),
-}
+    "Hunt and Crossley": dict(damping=ContactDamping(hunt_crossley=1.0), start="rest", load_ramp=4e-4)}  # fmt: skip
 
 
 def problem(bearing=PAPER, law="harris", operation=RUNNING, **choices):
@@ -508,10 +494,8 @@ def test_every_law_and_way_to_move_on_surfaces(law, angles, damping, faults):
 
 STRUCK = {"bearing": replace(PAPER, faults=(*wavy(), spall("outer_ring", DOWN + 0.02)))}
 FAST = replace(RUNNING, speed=60000 * np.pi / 30, first_roller_angle=3.0)  # a roller passes ±π on the way
-IN_PARTS = {
-    **STARTS, "on surfaces": STRUCK, "on surfaces, free": {**STRUCK, "angles": "free"},
-    "at 60 000 rpm": {"operation": FAST, "angles": "free"},
-}  # fmt: skip
+IN_PARTS = {**STARTS, "on surfaces": STRUCK, "on surfaces, free": {**STRUCK, "angles": "free"},
+    "at 60 000 rpm": {"operation": FAST, "angles": "free"}}  # fmt: skip
 
 
 @pytest.mark.parametrize("kept", [False, True])

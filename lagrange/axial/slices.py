@@ -239,10 +239,8 @@ class Slices:
             stiff = np.linalg.solve(np.eye(self.count) + stiff @ self.coupling, stiff)  # K (1 + C K)⁻¹, symmetric
             by_approach, by_slope = stiff.sum(axis=-1), stiff @ self.place
         part = forces @ (np.zeros(self.count) if self.part is None else self.part)
-        return self._summed(deep, forces)._replace(
-            stiffness=by_approach.sum(axis=-1), cross=-by_slope.sum(axis=-1), tilt_stiffness=by_slope @ self.place,
-            part=part,
-        )  # fmt: skip
+        return self._summed(deep, forces)._replace(stiffness=by_approach.sum(axis=-1), cross=-by_slope.sum(axis=-1),
+            tilt_stiffness=by_slope @ self.place, part=part)  # fmt: skip
 
 
 def _coupled(law, coupling, deep):
@@ -286,10 +284,8 @@ def contact_tables(
     largest_force : N, of a contact at rest; largest_slope : rad, of a roller to a ring, either way. RuntimeError:
     slices do not settle.
     """
-    inner, outer = (
-        spalled(each, tabulated(each, float(each.approach_under(MORE * largest_force, 0.0)), largest_slope))
-        for each in contact_slices(bearing, axial, laws, couplings)
-    )
+    inner, outer = (spalled(each, tabulated(each, float(each.approach_under(MORE * largest_force, 0.0)), largest_slope))
+        for each in contact_slices(bearing, axial, laws, couplings))  # fmt: skip
     return inner, outer
 
 
@@ -356,10 +352,8 @@ def _on_grid(slices, first, step, count, by_slope, half):
     u = np.sign(signed) * np.sqrt(energy)
     least = np.where(known.any(axis=0), u.min(axis=0), u.min())
     u = np.where(known, u, least * signed / (-BELOW * step))
-    return ContactTable(
-        first_approach=first, first_slope=-half * by_slope, approach_step=step, slope_step=by_slope,
-        coefficients=np.ascontiguousarray(spline_coefficients(spline_coefficients(u).T).T),
-    )  # fmt: skip
+    return ContactTable(first_approach=first, first_slope=-half * by_slope, approach_step=step, slope_step=by_slope,
+        coefficients=np.ascontiguousarray(spline_coefficients(spline_coefficients(u).T).T))  # fmt: skip
 
 
 def write_slices(file: "h5py.File", slices: tuple[Slices, Slices]) -> None:

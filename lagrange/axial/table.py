@@ -128,10 +128,8 @@ def in_series(at: Callable[..., TiltedContact], approach, slope, compliance, *sp
         if not moves.any():
             break
     give, half = 1.0 / (1.0 + s * here.stiffness), 0.5 * here.force**2
-    softer = here._replace(
-        energy=here.energy + s * half, stiffness=here.stiffness * give, cross=here.cross * give,
-        tilt_stiffness=here.tilt_stiffness - s * here.cross**2 * give, edges=half,
-    )  # fmt: skip
+    softer = here._replace(energy=here.energy + s * half, stiffness=here.stiffness * give, cross=here.cross * give,
+        tilt_stiffness=here.tilt_stiffness - s * here.cross**2 * give, edges=half)  # fmt: skip
     for every, each in zip(found, softer, strict=True):
         every[near] = each
     return found

@@ -82,10 +82,8 @@ def contact_pairs(bearing: Bearing) -> tuple[Pair, Pair, Pair]:
         ("roller", r, (both, both)),
     )
     length, cosine = bearing.roller_length, bearing.cosine
-    inner, outer, between = (
-        Pair(kind=kind, radii=(radius, r), materials=materials, length=length, cosine=cosine)
-        for kind, radius, materials in sides
-    )
+    inner, outer, between = (Pair(kind=kind, radii=(radius, r), materials=materials, length=length, cosine=cosine)
+        for kind, radius, materials in sides)  # fmt: skip
     return inner, outer, between
 
 

@@ -197,10 +197,8 @@ def contact_laws(name: str, bearing: Bearing) -> ContactLaws:
     """
     known, name = law_names(bearing), "johnson" if name == "tripp" else name
     if name == OWN and name not in known:
-        raise ValueError(
-            'law = "power": the scene has no law of its own, or its file is not at hand; give '
-            "lagrange.contact_stiffness_N_per_m_n and contact_exponent, or law_table"
-        )
+        raise ValueError('law = "power": the scene has no law of its own, or its file is not at hand; give '
+            "lagrange.contact_stiffness_N_per_m_n and contact_exponent, or law_table")  # fmt: skip
     if name not in known:
         kind = "balls" if isinstance(bearing, BallBearing) else "rollers"
         raise ValueError(f"unknown contact law {name!r} for {kind}; known: {', '.join(sorted(known))}")
@@ -250,7 +248,5 @@ def warning(name: str, bearing: Bearing) -> str | None:
              if material.rigid or not STEEL[0] <= material.youngs_modulus <= STEEL[1]]  # fmt: skip
     if name not in STEEL_LAWS or not other:
         return None
-    return (
-        f"the contact law {name} was measured on steel, but {', '.join(other)}; johnson, houpert and teutsch_sauer "
-        "include the material"
-    )
+    return (f"the contact law {name} was measured on steel, but {', '.join(other)}; johnson, houpert and teutsch_sauer "
+        "include the material")  # fmt: skip

@@ -157,9 +157,8 @@ def render_page(template: Path, **values: object) -> str:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     folders = FileSystemLoader([template.parent, STYLE.parent])  # page.j2 has tables and pictures
-    environment = Environment(
-        loader=folders, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
+    environment = Environment(loader=folders, autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True)  # fmt: skip
     return environment.get_template(template.name).render(
         page_style=as_it_is(STYLE), plot_style=as_it_is(VENDOR / "uPlot.min.css"),
         plot_library=as_it_is(VENDOR / "uPlot.iife.min.js"), **values,

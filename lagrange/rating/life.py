@@ -43,10 +43,8 @@ class Dimensions:
         if isinstance(bearing, BallBearing):
             raise Unavailable("computed for rollers; this one has balls")
         _refuse_unrated(bearing)
-        return cls(
-            rollers=bearing.n_rollers, diameter=2e3 * bearing.element_radius, length=1e3 * bearing.roller_length,
-            pitch=2e3 * bearing.pitch_radius, cosine=bearing.cosine, rows=bearing.rows,
-        )  # fmt: skip
+        return cls(rollers=bearing.n_rollers, diameter=2e3 * bearing.element_radius, length=1e3 * bearing.roller_length,
+            pitch=2e3 * bearing.pitch_radius, cosine=bearing.cosine, rows=bearing.rows)  # fmt: skip
 
 
 def _refuse_unrated(bearing):
@@ -102,11 +100,9 @@ TWO_DEEP_ROWS = 0.90 / 0.95  # λ of two rows of deep grooves over that
 GROOVE = 0.52  # of the ball's diameter, the groove's radius to which both standards rate
 LARGE_BALL = 25.4  # mm, beyond which C grows by D_w^1.4
 # f_0 of ISO 76 table 1 by hundredths of γ, from 0
-STATIC_FACTORS = (
-    14.7, 14.9, 15.1, 15.3, 15.5, 15.7, 15.9, 16.1, 16.3, 16.5, 16.4, 16.1, 15.9, 15.6, 15.4, 15.2, 14.9, 14.7, 14.4,
-    14.2, 14.0, 13.7, 13.5, 13.2, 13.0, 12.8, 12.5, 12.3, 12.1, 11.8, 11.6, 11.4, 11.2, 10.9, 10.7, 10.5, 10.3, 10.0,
-    9.8, 9.6, 9.4,
-)  # fmt: skip
+STATIC_FACTORS = (14.7, 14.9, 15.1, 15.3, 15.5, 15.7, 15.9, 16.1, 16.3, 16.5, 16.4, 16.1, 15.9, 15.6, 15.4, 15.2, 14.9,
+    14.7, 14.4, 14.2, 14.0, 13.7, 13.5, 13.2, 13.0, 12.8, 12.5, 12.3, 12.1, 11.8, 11.6, 11.4, 11.2, 10.9, 10.7, 10.5,
+    10.3, 10.0, 9.8, 9.6, 9.4,)  # fmt: skip
 
 
 def ball_capacity_factor(gamma: float) -> float:

@@ -157,11 +157,10 @@ def _ideal(o):
     if o.rotating_load_with == "outer_ring" and o.turns_outer_ring is None:  # it stands with that ring
         load.c[-1] += rotating * cos(radians(angle)), rotating * sin(radians(angle))
         rotating = 0.0
-    history = LoadHistory(turn=turn_of(functions["speed_table"]),
-        outer_turn=None if o.turns_outer_ring is None else turn_of(functions["outer_ring_speed_table"]), load=load,
-        unbalance=1e-6 * (o.unbalance_g_mm or 0.0), unbalance_angle=radians((o.unbalance_deg or 0.0) + FROM_LOAD),
-        rotating_load=rotating, rotating_load_angle=radians(angle),
-        rotating_load_with=o.rotating_load_with or "inner_ring")
+    history = LoadHistory(turn=turn_of(functions["speed_table"]), outer_turn=None if o.turns_outer_ring is None
+        else turn_of(functions["outer_ring_speed_table"]), load=load, unbalance=1e-6 * (o.unbalance_g_mm or 0.0),
+        unbalance_angle=radians((o.unbalance_deg or 0.0) + FROM_LOAD), rotating_load=rotating,
+        rotating_load_angle=radians(angle), rotating_load_with=o.rotating_load_with or "inner_ring")
     (x, y), speeds = history.force(0.0), history.ring_speeds(0.0)
     return replace(found, speed=float(speeds[0]), outer_speed=float(speeds[1]), radial_load=-float(y),
         side_load=float(x), history=history)

@@ -65,11 +65,9 @@ class SurfaceDeviation(NamedTuple):
 
     def rows(self, which: slice) -> "SurfaceDeviation":
         """Of some of the times alone."""
-        return SurfaceDeviation(
-            sinkage=self.sinkage[which], slopes=self.slopes[:, which], softenings=self.softenings[:, which],
-            compliance=self.compliance if isinstance(self.compliance, float) else self.compliance[which],
-            part=None if self.part is None else self.part.rows(which),
-        )  # fmt: skip
+        return SurfaceDeviation(sinkage=self.sinkage[which], slopes=self.slopes[:, which],
+            softenings=self.softenings[:, which], compliance=self.compliance if isinstance(self.compliance, float)
+            else self.compliance[which], part=None if self.part is None else self.part.rows(which))  # fmt: skip
 
     def at_contact(self, falls: Falls) -> "SurfaceDeviation":
         """With the slopes that the surfaces have for contacts, see `Falls`; without tilt by ½ Q of the compliance."""
@@ -130,10 +128,8 @@ class Turns:
     def rolling(cls, bearing: Bearing, operation: Operation, time) -> "Turns":
         """Of rolling without slip at a time, s."""
         now, way = kinematics(bearing, *operation.at(time).ring_speeds), turned(bearing, operation, time)
-        return cls(
-            inner_ring=way.shaft, rollers=way.roller, inner_ring_speed=now.shaft, roller_speed=now.roller,
-            outer_ring=way.outer_ring, outer_ring_speed=now.outer_ring,
-        )  # fmt: skip
+        return cls(inner_ring=way.shaft, rollers=way.roller, inner_ring_speed=now.shaft, roller_speed=now.roller,
+            outer_ring=way.outer_ring, outer_ring_speed=now.outer_ring)  # fmt: skip
 
 
 UNTURNED = Turns()
@@ -188,11 +184,9 @@ def _deviation(bodies, angles):
     each = [(flat, flat, 0.0, 0.0) if profile is None else profile.at(angle) for profile, angle in pairs]
     sinkage, slopes, compliance, softenings = zip(*each, strict=True)
     parts = tuple(None if profile is None else profile.part for profile in bodies)
-    return SurfaceDeviation(
-        sinkage=sinkage[0] + sinkage[1], slopes=np.array(np.broadcast_arrays(*slopes)),
+    return SurfaceDeviation(sinkage=sinkage[0] + sinkage[1], slopes=np.array(np.broadcast_arrays(*slopes)),
         compliance=compliance[0] + compliance[1], softenings=np.array(np.broadcast_arrays(*softenings, flat)[:2]),
-        part=None if parts == (None, None) else _deviation(parts, angles),
-    )  # fmt: skip
+        part=None if parts == (None, None) else _deviation(parts, angles))  # fmt: skip
 
 
 @lru_cache(maxsize=16)

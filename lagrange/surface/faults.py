@@ -150,8 +150,6 @@ def own_radius(bearing, fault) -> float:
 
 def thickness(bearing, body: Body) -> float:
     """Of a body under its surface, m: of a ring, or a roller's radius."""
-    rings = {
-        "inner_ring": bearing.inner_raceway_radius - bearing.bore_radius,
-        "outer_ring": bearing.outside_radius - bearing.outer_raceway_radius,
-    }
+    rings = {"inner_ring": bearing.inner_raceway_radius - bearing.bore_radius,
+        "outer_ring": bearing.outside_radius - bearing.outer_raceway_radius}  # fmt: skip
     return rings.get(body, bearing.roller_radius)

@@ -76,8 +76,5 @@ def films(bearing: Bearing, operation: Operation, lubricant: Lubricant) -> tuple
 def under_films(bearing: Bearing, found: tuple[Film, ...]) -> Bearing:
     """The bearing with films as parts of its raceways, for equilibria of perfect surfaces."""
     thick = {film.body: film.thickness for film in found}
-    return replace(
-        bearing,
-        inner_raceway_radius=bearing.inner_raceway_radius + thick.get("inner_ring", 0.0),
-        outer_raceway_radius=bearing.outer_raceway_radius - thick.get("outer_ring", 0.0),
-    )
+    return replace(bearing, inner_raceway_radius=bearing.inner_raceway_radius + thick.get("inner_ring", 0.0),
+        outer_raceway_radius=bearing.outer_raceway_radius - thick.get("outer_ring", 0.0))  # fmt: skip

@@ -18,9 +18,8 @@ Raceway = Literal["inner", "outer"]
 RACEWAYS: dict[Raceway, str] = {"inner": "outer_ring", "outer": "inner_ring"}  # whose spalls its contacts don't meet
 BLOCK = 4096  # samples read at once
 SEEN = 3.0  # half-widths of a spall on either side of its middle that belong to a passage
-COLUMNS = (
-    "time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_turn", "roller_spin", "inner_force", "outer_force",
-)  # fmt: skip
+COLUMNS = ("time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_turn", "roller_spin", "inner_force",
+    "outer_force",)  # fmt: skip
 HOUSING = OF_HOUSING[:2]  # where there is one
 Read = Callable[[int, int], Mapping[str, np.ndarray]]  # COLUMNS and HOUSING from one sample up to another, by name
 
@@ -144,11 +143,9 @@ def interval_warning(bearing: Bearing, operation: Operation, interval: float) ->
     longest = strike_interval(bearing, operation)
     if interval <= longest:
         return None
-    return (
-        f"numerics.output_interval_us = {1e6 * interval:g}: too coarse to resolve impacts in a [[spall]], where "
+    return (f"numerics.output_interval_us = {1e6 * interval:g}: too coarse to resolve impacts in a [[spall]], where "
         f"rollers vibrate on their contacts at {1e-3 / (SAMPLES * longest):.3g} kHz: peak forces will be missed; at "
-        f"most {1e6 * longest:.2g}"
-    )
+        f"most {1e6 * longest:.2g}")  # fmt: skip
 
 
 def spall_events(passages: Iterable[Passage]) -> list[SpallEvent]:
@@ -170,10 +167,8 @@ def _events(passage):
     half, angle, time, force = passage.half_width, passage.angle, passage.time, passage.force
 
     def event(kind, time, force, sliding):
-        return SpallEvent(
-            time=float(time), roller=passage.roller, spall=passage.spall, raceway=passage.raceway, kind=kind,
-            force=float(force), sliding_speed=float(sliding),
-        )  # fmt: skip
+        return SpallEvent(time=float(time), roller=passage.roller, spall=passage.spall, raceway=passage.raceway,
+            kind=kind, force=float(force), sliding_speed=float(sliding))  # fmt: skip
 
     def crossing(kind, i, edge):
         share = (edge - angle[i]) / (angle[i + 1] - angle[i])

@@ -14,6 +14,7 @@ from math import inf
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from numpy import ndarray
 
 from lagrange import motion
 from lagrange.axial.slices import Axial
@@ -47,7 +48,7 @@ class FirstState(NamedTuple):
     warning: str | None = None
 
 
-def followed(stiffness: np.ndarray, bearing: Bearing, operation: Operation) -> tuple[np.ndarray, np.ndarray]:
+def followed(stiffness: ndarray, bearing: Bearing, operation: Operation) -> tuple[ndarray, ndarray]:
     """Stiffnesses, (k,), N/m, and directions, (2, k), along which a hub follows its equilibrium as rollers pass.
 
     Along these λ > M (n ω_cage)²: the hub's own frequency lies above that of the rollers' passage. k is 0, 1 or 2.
@@ -67,13 +68,13 @@ class Passing(NamedTuple):
     after: Any
     time: float  # s, of each from the start
 
-    def rate(self, name: str) -> np.ndarray:
+    def rate(self, name: str) -> ndarray:
         """Of an array in them."""
         return (getattr(self.after, name) - getattr(self.before, name)) / (2.0 * self.time)
 
 
 def passing(
-    at: Callable[[float], Any], stiffness: Callable[[], np.ndarray], bearing: Bearing, operation: Operation, way: float
+    at: Callable[[float], Any], stiffness: Callable[[], ndarray], bearing: Bearing, operation: Operation, way: float
 ) -> tuple[Passing | None, str | None]:
     """The equilibria that give a start its velocities; without these why not, unless nothing turns or none is near.
 
@@ -98,7 +99,7 @@ def passing(
     return (found, None) if np.linalg.norm(found.rate("hub")) <= JUMP * speed else (None, JUMPS)
 
 
-def places_moving(now: Statics, found: Passing | None) -> np.ndarray:
+def places_moving(now: Statics, found: Passing | None) -> ndarray:
     """Rates of all places, (4 + 2 n_rollers,), by equilibria around a start; None: at rest.
 
     A roller on which little bears may stand at several tilts: where its tilts do not follow each other it has no rate
@@ -112,7 +113,7 @@ def places_moving(now: Statics, found: Passing | None) -> np.ndarray:
     return rates
 
 
-def tilts_moving(now: Statics, rates: np.ndarray) -> Tilts:
+def tilts_moving(now: Statics, rates: ndarray) -> Tilts:
     """Slopes in an equilibrium and their rates by those of all places, (4 + 2 n_rollers,)."""
     return Tilts(tilt=now.tilt, tilt_rate=rates[4 + now.tilt.size :], slope_x=now.place[2], slope_y=now.place[3],
         slope_x_rate=rates[2], slope_y_rate=rates[3])  # fmt: skip
@@ -279,7 +280,7 @@ class Problem:
         return equilibrium_state(self.bearing, operation, self.laws, self.axial)
 
 
-def sampled(problem: Problem, time: np.ndarray, state: State) -> dict[str, np.ndarray]:
+def sampled(problem: Problem, time: ndarray, state: State) -> dict[str, ndarray]:
     """Columns by the result file's names, but for works, and what a sensor shows; those of `problem`'s parts.
 
     time : (n_times,), s; of a free cage 0 alone, where it is concentric and turns with the elements

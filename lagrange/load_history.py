@@ -13,6 +13,7 @@ from math import pi
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy import ndarray
 
 from lagrange.files.tables import rising
 
@@ -83,7 +84,7 @@ class LoadHistory:
         return float(found.min()), float(found.max())
 
     @cached_property
-    def ring_speeds_met(self) -> tuple[np.ndarray, np.ndarray]:
+    def ring_speeds_met(self) -> tuple[ndarray, ndarray]:
         """Speeds of both rings at all points of their tables, rad/s, (n,) each."""
         outer = self.outer_turn
         if outer is None:
@@ -138,7 +139,7 @@ def turn_of(speed: "PPoly") -> "PPoly":
     return found
 
 
-def joined(time: np.ndarray, values: np.ndarray, shape: Shape) -> "PPoly":
+def joined(time: ndarray, values: ndarray, shape: Shape) -> "PPoly":
     """The function through points, (n,) s and (n, m): smooth, by straight lines, or by steps that hold until the next.
 
     The last step has no end, and no length: a table of steps needs a row where they end.
@@ -160,7 +161,7 @@ def joined(time: np.ndarray, values: np.ndarray, shape: Shape) -> "PPoly":
 
 
 @lru_cache(maxsize=16)
-def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = ".") -> tuple[np.ndarray, np.ndarray]:
+def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = ".") -> tuple[ndarray, ndarray]:
     """Times, (n,), ms, and values, (n, n_names), of a table's text with this decimal sign, at most so large.
 
     Headers may name other units, those of UNITS. ValueError, a sentence on the text.

@@ -6,6 +6,7 @@ from itertools import product
 from math import pi, sqrt
 
 import numpy as np
+from numpy import ndarray
 
 from lagrange.columns import columns_of
 
@@ -36,7 +37,7 @@ class Sensor:
     frequency: float  # Hz, undamped
     damping_ratio: float  # below 1
 
-    def step(self, seconds: float) -> np.ndarray:
+    def step(self, seconds: float) -> ndarray:
         """What so many seconds under a constant Ÿ make of its state, exactly, (2, 3): r, ṙ then by r, ṙ and Ÿ, SI."""
         omega, zeta = 2.0 * pi * self.frequency, self.damping_ratio
         damped = omega * sqrt(1.0 - zeta**2)
@@ -46,7 +47,7 @@ class Sensor:
         return np.column_stack([free, still - free @ still])
 
     @property
-    def pull(self) -> np.ndarray:
+    def pull(self) -> ndarray:
         """Its own acceleration by r and by ṙ, (2,), 1/s² and 1/s."""
         omega = 2.0 * pi * self.frequency
         return -np.array([omega**2, 2.0 * self.damping_ratio * omega])
@@ -144,7 +145,7 @@ class Mounting:
 HELD = Mounting()
 
 
-def ring_place(mounting: Mounting, weight: float, force_at: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+def ring_place(mounting: Mounting, weight: float, force_at: Callable[[ndarray], ndarray]) -> ndarray:
     """Where the outer ring's centre stands in its housing, (2,), m; 0 without one. RuntimeError: no place is found.
 
     weight : N, of housing and ring; force_at : the contacts' force on the ring, (2,), N, by its place, which matters
@@ -168,7 +169,7 @@ def ring_place(mounting: Mounting, weight: float, force_at: Callable[[np.ndarray
     return found.x
 
 
-def from_outer_ring(samples: Mapping[str, np.ndarray], *bodies: str) -> list[np.ndarray]:
+def from_outer_ring(samples: Mapping[str, ndarray], *bodies: str) -> list[ndarray]:
     """Places <body>_x, <body>_y, ... of samples from the outer ring's centre, which its mounting may move, m."""
     found = []
     for body, axis in product(bodies, "xy"):

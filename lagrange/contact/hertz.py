@@ -11,6 +11,7 @@ from math import exp, pi, sqrt
 from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy import ndarray
 
 from lagrange.bearing import BallBearing, Bearing, Material
 from lagrange.columns import DERIVED
@@ -194,7 +195,7 @@ class LineContact(NamedTuple):
     von_mises_depth: float
 
 
-def stress_below(depth, poisson_ratio: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def stress_below(depth, poisson_ratio: float) -> tuple[ndarray, ndarray, ndarray]:
     """σ_x, σ_y, σ_z over the peak pressure on the line of symmetry, at depths over the half-width.
 
     Plane strain along y.
@@ -209,7 +210,7 @@ def stress_below(depth, poisson_ratio: float) -> tuple[np.ndarray, np.ndarray, n
     return across, poisson_ratio * (across + down), down
 
 
-def hertz_columns(bearing: Bearing, samples: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+def hertz_columns(bearing: Bearing, samples: Mapping[str, ndarray]) -> dict[str, ndarray]:
     """Columns of `lagrange.columns.DERIVED` from a run's contact forces, each (n_times, n_rollers).
 
     b² = 4 R Q/(π E* L), p₀ = 2 Q/(π b L), R of the perfect circles: at edges of spalls pressures are higher.

@@ -12,13 +12,13 @@ over the edge ½. In series with a law the compliance c gives δ = δ_law(Q) + c
 
 from functools import lru_cache
 from math import asin, ceil, pi, sqrt
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy import ndarray
 
 from lagrange.surface.faults import MeasuredSurface, Spall
 
-Meeting = Literal["bore", "in_bore", "outside"]  # the holed circle is a bore, lies in a bore, lies beside the other
 POINTS = 800  # of each rounded edge; on the bottom and on either side half as many
 PIECES, STRIDE = 8, 16  # of an outline; in each every so many points are looked at, then all around the best
 BESIDE = 0.2  # of half the opening, of the sound surface on either side
@@ -32,7 +32,7 @@ class Circles(NamedTuple):
 
     own: float  # m, radius of the first
     other: float  # m, of the second
-    meeting: Meeting
+    meeting: str  # of the first: it is a "bore", lies "in_bore" or "outside" of the other
     roller: float  # m, of the one that is the rolling element's
 
     @property
@@ -50,11 +50,11 @@ class Circles(NamedTuple):
         """From a spall's middle to where its edges begin, rad."""
         return asin(spall.half_opening(self.roller) / self.own)
 
-    def surface(self, depth: np.ndarray) -> np.ndarray:
+    def surface(self, depth: ndarray) -> ndarray:
         """Radii of points so deep below the own circle, m."""
         return self.own + depth if self.meeting == "bore" else self.own - depth
 
-    def room(self, surface: np.ndarray, beyond: np.ndarray) -> np.ndarray:
+    def room(self, surface: ndarray, beyond: ndarray) -> ndarray:
         """How far points at radii `surface`, m, let the centres come nearer than perfect surfaces do, m.
 
         `beyond` : rad, of the line of centres from the points; beside the other circle the room is infinite
@@ -70,7 +70,7 @@ class Circles(NamedTuple):
         return np.where(np.abs(across) < self.other, found, np.inf)
 
 
-def sinkage(spall: Spall, circles: Circles, angle) -> np.ndarray:
+def sinkage(spall: Spall, circles: Circles, angle) -> ndarray:
     """How far the centre of a circle gets beyond where a perfect surface would stop it, m, >= 0, at angles, rad.
 
     angle : ndarray, (n,), of the line of centres from the spall's middle
@@ -89,7 +89,7 @@ def sinkage(spall: Spall, circles: Circles, angle) -> np.ndarray:
     return np.maximum(least, 0.0)
 
 
-def measured_sinkage(found: MeasuredSurface, circles: Circles, n: int) -> np.ndarray:
+def measured_sinkage(found: MeasuredSurface, circles: Circles, n: int) -> ndarray:
     """The same around a measured surface, at n angles from 0 on, (n,), m; negative over what stands out.
 
     Between the points of the table the surface neither rises above nor falls below them (Fritsch and Carlson's
@@ -127,7 +127,7 @@ def measured_sinkage(found: MeasuredSurface, circles: Circles, n: int) -> np.nda
     return closed(at[0] + np.mod(turn * np.arange(n) / n - at[0], turn))
 
 
-def outline(spall: Spall, opening: float) -> tuple[np.ndarray, np.ndarray]:
+def outline(spall: Spall, opening: float) -> tuple[ndarray, ndarray]:
     """Places beside the spall's middle, along the chord, and their depths, m."""
     edge, steepest, bottom_depth = spall.edge_radius, 0.0, spall.depth
     if edge > 0.0:
@@ -153,7 +153,7 @@ IN_REACH = 2.0  # of b²/R: cells with a wider gap are none of the contact's
 MOST_TURNS = 60  # of the search for the cells in contact; 3 to 8 are usual
 
 
-def softening(spall: Spall, circles: Circles, angle) -> np.ndarray:
+def softening(spall: Spall, circles: Circles, angle) -> ndarray:
     """ΔB, >= 0, at angles of the line of centres from the spall's middle, (n,), rad; 0 far from it.
 
     Errors: The half-planes' own, (b/R)². Cells change ΔB by 0.02 at most. By the force ΔB changes, see

@@ -3,9 +3,10 @@
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from math import asin, inf, pi
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy import ndarray
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.kinematics import turned
@@ -14,28 +15,27 @@ from lagrange.step_size import roller_frequency
 from lagrange.surface.deviation import SurfaceDeviation, Turns, profiles
 from lagrange.surface.faults import Spall, own_radius
 
-Raceway = Literal["inner", "outer"]
-RACEWAYS: dict[Raceway, str] = {"inner": "outer_ring", "outer": "inner_ring"}  # whose spalls its contacts don't meet
+RACEWAYS = {"inner": "outer_ring", "outer": "inner_ring"}  # whose spalls its contacts don't meet
 BLOCK = 4096  # samples read at once
 SEEN = 3.0  # half-widths of a spall on either side of its middle that belong to a passage
 COLUMNS = ("time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_turn", "roller_spin", "inner_force",
     "outer_force",)  # fmt: skip
 HOUSING = OF_HOUSING[:2]  # where there is one
-Read = Callable[[int, int], Mapping[str, np.ndarray]]  # COLUMNS and HOUSING from one sample up to another, by name
+Read = Callable[[int, int], Mapping[str, ndarray]]  # COLUMNS and HOUSING from one sample up to another, by name
 
 
 class Passage(NamedTuple):
     """One contact near one spall, over samples that follow each other; arrays (n,)."""
 
     spall: int  # number of the spall, in the order of the scene
-    raceway: Raceway  # of the contact; a roller's spall meets both
+    raceway: str  # of the contact; a roller's spall meets both
     roller: int
     half_width: float  # rad, as `angle`, half the spall's width
     first: int  # number of the first sample
-    time: np.ndarray  # s
-    angle: np.ndarray  # rad, of the contact from the spall's middle, on the body that has it, counter-clockwise
-    force: np.ndarray  # N, normal
-    sliding: np.ndarray  # m/s, of the roller's surface over the raceway's, along +θ
+    time: ndarray  # s
+    angle: ndarray  # rad, of the contact from the spall's middle, on the body that has it, counter-clockwise
+    force: ndarray  # N, normal
+    sliding: ndarray  # m/s, of the roller's surface over the raceway's, along +θ
 
 
 def spalls(bearing: Bearing) -> list[Spall]:
@@ -44,7 +44,7 @@ def spalls(bearing: Bearing) -> list[Spall]:
 
 
 def surfaces_met(
-    bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray]
+    bearing: Bearing, operation: Operation, samples: Mapping[str, ndarray]
 ) -> tuple[SurfaceDeviation, SurfaceDeviation]:
     """What the inner and the outer contacts of samples meet, (n_times, n_rollers), of surfaces that are not perfect."""
     surfaces = profiles(bearing)
@@ -64,7 +64,7 @@ def find_passages(bearing: Bearing, operation: Operation, read: Read, count: int
 
     Errors: Sliding speeds come from differences of the rollers' angles, of second order in the interval.
     """
-    faults, found = spalls(bearing), defaultdict[tuple[int, Raceway, int], list[np.ndarray]](list)
+    faults, found = spalls(bearing), defaultdict(list)
     halves = [asin(0.5 * spall.width / own_radius(bearing, spall)) for spall in faults]
     for start in range(0, count - 1, BLOCK):
         stop = min(start + BLOCK, count - 1) + 1  # the last sample is the next block's first
@@ -112,7 +112,6 @@ def _contacts(bearing, operation, samples, raceway):
     return direction - way.shaft, direction + pi - turn, sliding
 
 
-Kind = Literal["entry", "strike", "exit"]
 LARGE = 0.5  # a rise of the force: of the largest in the passage, and of the force on entry
 FROM, UNTIL = -0.1, 2.0  # half-widths from the middle, on the way out: where a strike's force may peak
 SAMPLES = 9.0  # in a vibration of a roller on its contacts: peaks are then found to some per cent (docs/surfaces.md)
@@ -124,8 +123,8 @@ class SpallEvent(NamedTuple):
     time: float  # s
     roller: int
     spall: int
-    raceway: Raceway
-    kind: Kind
+    raceway: str
+    kind: str  # entry, strike or exit
     force: float  # N
     sliding_speed: float  # m/s, of the roller's surface over the raceway's, along +θ
 

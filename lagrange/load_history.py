@@ -69,13 +69,11 @@ class LoadHistory:
 
         An unbalance is a mass m that turns at a radius e: −m times the acceleration of e (cos ψ, sin ψ).
         """
-        (x, y), (inner, outer) = np.moveaxis(self.load(time), -1, 0), self.ring_turns(time)
-        heavy = inner + self.unbalance_angle
-        cosine, sine = np.cos(heavy), np.sin(heavy)
-        out, back = self.unbalance * self.speed(time) ** 2, self.unbalance * self.speed(time, 1)
+        (inner, outer), load = self.ring_turns(time), self.load(time) @ np.array([1.0, 1j])  # x + iy
+        pull = self.unbalance * (self.speed(time) ** 2 - 1j * self.speed(time, 1))
         turning = (inner if self.rotating_load_with == "inner_ring" else outer) + self.rotating_load_angle
-        x = x + out * cosine + back * sine + self.rotating_load * np.cos(turning)
-        return x, y + out * sine - back * cosine + self.rotating_load * np.sin(turning)
+        found = load + pull * np.exp(1j * (inner + self.unbalance_angle)) + self.rotating_load * np.exp(1j * turning)
+        return found.real, found.imag
 
     @cached_property
     def speeds(self) -> tuple[float, float]:

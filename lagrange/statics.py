@@ -214,6 +214,11 @@ def tilted_equilibrium(
     raise RuntimeError(system.bare or "no static equilibrium with tilt: contacts push one another in")
 
 
+def _ways(hub, rho, tilt):
+    """Rows of derivatives by the hub's four places, (4, n), and by each roller's own radius and tilt, (n,)."""
+    return np.hstack([np.transpose(hub), np.diag(rho), np.diag(tilt)])
+
+
 class _Row:
     """Balance of hub, rollers and contacts; without a `hub` that has slopes axes stay parallel."""
 
@@ -364,14 +369,13 @@ class _Row:
             fallen.append(falls(here, surface))
         found = found.at_contact(*fallen)
         (nx, ny), across = found.normal, at.across / found.distance
-        ways, psi = np.zeros((4 * n, 4 + 2 * n)), 2 * n + j
-        ways[j, 0], ways[j, 1], ways[j, 4 + j] = -found.direction_x, -found.direction_y, -found.radial
-        ways[n + j, 4 + j] = 1.0
-        ways[psi, 0], ways[psi, 1], ways[psi, 4 + j] = across * ny, -across * nx, -across * found.circle[1]
-        ways[psi, 2], ways[psi, 3], ways[psi, 4 + n + j] = -nx, -ny, found.circle[0]
-        ways[3 * n + j, 4 + n + j] = -1.0
-        tangent = np.zeros((n, 4 + 2 * n))  # ways along the inner contacts' tangents
-        tangent[:, 0], tangent[:, 1], tangent[j, 4 + j] = ways[j, 1], -ways[j, 0], -found.tangential
+        x, y, (radial, tangential), none = found.direction_x, found.direction_y, found.circle, 0.0 * nx
+        tangent = _ways([-y, x, none, none], -found.tangential, none)  # along the inner contacts' tangents
+        ways = np.concatenate([
+            _ways([-x, -y, none, none], -found.radial, none), _ways(4 * [none], none + 1.0, none),
+            _ways([across * ny, -across * nx, -nx, -ny], -across * tangential, radial),
+            _ways(4 * [none], none, none - 1.0),
+        ])  # fmt: skip
         off, rest = moved - self.slack, self.between @ own if self.tilts else np.zeros(4 * n)
         pull = self.springs * off
         left = self.applied - pull - ways.T @ (forces + rest) - self.inertial * moved

@@ -52,7 +52,7 @@ def tilted_damper(met, damping: ContactDamping, closing_speed, turning_speed, le
 
     Parameters
     ----------
-    met : `lagrange.axial.TiltedContact` of the springs
+    met : `lagrange.axial.table.TiltedContact` of the springs
     closing_speed, turning_speed : δ̇, m/s, and ψ̇, rad/s, of its shape
     """
     coefficient = damping.coefficient(met.force, met.stiffness)

@@ -16,14 +16,26 @@ SHALLOWEST = 1e-250  # m, keeps the logarithm of an open contact finite
 
 
 class Line:
-    """What laws of contacts along parallel axes are where contacts may be tilted: `lagrange.axial.table.TiltedLaw`."""
+    """A law of contacts along parallel axes, and as one of contacts that may tilt, `lagrange.axial.table.TiltedLaw`."""
 
     has_part, last_approach = False, inf
 
+    def force(self: Any, approach):
+        """Contact force, N, >= 0."""
+        return self._terms(approach)[1]
+
+    def slope(self: Any, approach):
+        """Contact stiffness dQ/dδ, N/m; 0 for an open contact."""
+        return self._terms(approach)[2]
+
+    def potential(self: Any, approach):
+        """Energy stored in the contact, J."""
+        return self._terms(approach)[0]
+
     def at(self: Any, approach, slope=0.0) -> TiltedContact:
         """Without a moment, whatever the slope."""
-        none = np.zeros(np.shape(approach))
-        return TiltedContact(self.potential(approach), self.force(approach), none, self.slope(approach), none, none)
+        (energy, force, stiffness), none = self._terms(approach), np.zeros(np.shape(approach))
+        return TiltedContact(energy, force, none, stiffness, none, none)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,30 +49,24 @@ class PowerLaw(Line):
     range: str = ""  # where the source says it holds
 
     def force(self, approach):
-        """Contact force, N, >= 0."""
         return self.stiffness * np.maximum(approach, 0.0) ** self.exponent
 
     def approach(self, force):
         """Approach, m, of a contact force, N, >= 0."""
         return (np.asarray(force) / self.stiffness) ** (1.0 / self.exponent)
 
-    def slope(self, approach):
-        """Contact stiffness dQ/dδ, N/m; 0 for an open contact."""
-        depth = np.asarray(approach, dtype=float)
-        closed = depth > 0.0
+    def _terms(self, approach):
+        """Energy, force and stiffness."""
+        depth, n = np.asarray(approach, dtype=float), self.exponent
         # a fitted exponent may be below 1: no power of an open contact is taken
-        power = np.where(closed, depth, 1.0) ** (self.exponent - 1.0)
-        return np.where(closed, self.exponent * self.stiffness * power, 0.0)
-
-    def potential(self, approach):
-        """Energy stored in the contact, J."""
-        n = self.exponent
-        return self.stiffness * np.maximum(approach, 0.0) ** (n + 1.0) / (n + 1.0)
+        inside = np.where(depth > 0.0, depth, 1.0)
+        force = self.stiffness * inside**n
+        return np.where(depth > 0.0, [force * inside / (n + 1.0), force, n * force / inside], 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class LogarithmicLaw(Line):
-    """δ = S Q (B − ln Q), Q in N: the line contact of elastic cylinders. Same methods as `PowerLaw`.
+    """δ = S Q (B − ln Q), Q in N: the line contact of elastic cylinders.
 
     Beyond `largest_force` (half-width above half the roller's radius, far outside Hertz's theory) the law goes on along
     its tangent, so that an iteration may pass there.
@@ -73,33 +79,18 @@ class LogarithmicLaw(Line):
     source: str
     range: str = ""
 
-    def force(self, approach):
-        depth, inside, u = self._bracketed(approach)
-        return np.where(depth > 0.0, (inside / u + (depth - inside) / (u - 1.0)) / self.compliance, 0.0)
-
     def approach(self, force):
         force = np.asarray(force, dtype=float)
         inside = np.clip(force, SHALLOWEST, self.largest_force)
         u = self.level - np.log(inside)
         return np.where(force > 0.0, self.compliance * (inside * u + (force - inside) * (u - 1.0)), 0.0)
 
-    def slope(self, approach):
-        depth, _, u = self._bracketed(approach)
-        return np.where(depth > 0.0, 1.0 / (self.compliance * (u - 1.0)), 0.0)
-
-    def potential(self, approach):
-        depth, inside, u = self._bracketed(approach)
-        force, beyond = inside / (self.compliance * u), depth - inside
-        energy = 0.5 * self.compliance * force**2 * (u - 0.5)
-        energy += beyond * (force + 0.5 * beyond / (self.compliance * (u - 1.0)))
-        return np.where(depth > 0.0, energy, 0.0)
-
     @cached_property
     def _largest_approach(self):
         return self.compliance * self.largest_force * (self.level - np.log(self.largest_force))
 
-    def _bracketed(self, approach):
-        """Approaches, what of them lies on the logarithm, and u = B − ln Q: u − ln u = B + ln(S/δ), the root above 1.
+    def _terms(self, approach):
+        """Energy, force and stiffness by u = B − ln Q: u − ln u = B + ln(S/δ), the root above 1.
 
         By Newton's method, to round-off.
         """
@@ -109,7 +100,9 @@ class LogarithmicLaw(Line):
         u = target + np.log(target)
         for _ in range(LOGARITHM_STEPS):
             u = u * (target + np.log(u) - 1.0) / (u - 1.0)
-        return depth, inside, u
+        force, beyond, slope = inside / (self.compliance * u), depth - inside, 1.0 / (self.compliance * (u - 1.0))
+        energy = 0.5 * self.compliance * force**2 * (u - 0.5) + beyond * (force + 0.5 * beyond * slope)
+        return np.where(depth > 0.0, [energy, force + beyond * slope, slope], 0.0)
 
 
 class ContactLaws(NamedTuple):

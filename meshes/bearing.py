@@ -24,29 +24,24 @@ def bearing_shapes(bearing: Bearing, mesh_size: float) -> BearingShapes:
 
     A roller's surface has a multiple of 3 nodes (12 at least), a raceway a multiple of 8.
     """
+    radius, inner, outer = bearing.roller_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius
     return BearingShapes(
-        roller=Disc(
-            radius=bearing.roller_radius,
-            layers=max(2.0, 0.5 * round(2.0 * pi * bearing.roller_radius / (3.0 * mesh_size))),
-        ),
-        inner_ring=_ring(bearing.core_radius, bearing.inner_raceway_radius, bearing.inner_raceway_radius, mesh_size),
-        outer_ring=_ring(bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_raceway_radius, mesh_size),
+        roller=Disc(radius=radius, layers=max(2.0, 0.5 * round(2.0 * pi * radius / (3.0 * mesh_size)))),
+        inner_ring=_ring(bearing.core_radius, inner, inner, mesh_size),
+        outer_ring=_ring(outer, bearing.outside_radius, outer, mesh_size),
     )
 
 
 def graded_shapes(bearing: Bearing, mesh_size: float) -> BearingShapes:
     """Shapes of that surface spacing, m, whose meshes coarsen away from the raceways."""
     inner, outer = bearing.inner_raceway_radius, bearing.outer_raceway_radius
+    inside, outside = _sectors(inner, mesh_size), _sectors(outer, mesh_size)
     return BearingShapes(
         roller=graded_disc(bearing.roller_radius, mesh_size),
         inner_ring=GradedAnnulus(
-            inner_radius=bearing.core_radius, outer_radius=inner, sectors=_sectors(inner, mesh_size),
-            raceway_outside=True,
-        ),
+            inner_radius=bearing.core_radius, outer_radius=inner, sectors=inside, raceway_outside=True),
         outer_ring=GradedAnnulus(
-            inner_radius=outer, outer_radius=bearing.outside_radius, sectors=_sectors(outer, mesh_size),
-            raceway_outside=False,
-        ),
+            inner_radius=outer, outer_radius=bearing.outside_radius, sectors=outside, raceway_outside=False),
     )  # fmt: skip
 
 
@@ -55,7 +50,5 @@ def _sectors(raceway: float, mesh_size: float) -> int:
 
 
 def _ring(inner: float, outer: float, raceway: float, mesh_size: float) -> Annulus:
-    return Annulus(
-        inner_radius=inner, outer_radius=outer, sectors=_sectors(raceway, mesh_size),
-        layers=max(2, round((outer - inner) / mesh_size)),
-    )  # fmt: skip
+    layers = max(2, round((outer - inner) / mesh_size))
+    return Annulus(inner_radius=inner, outer_radius=outer, sectors=_sectors(raceway, mesh_size), layers=layers)

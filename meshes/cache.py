@@ -57,7 +57,6 @@ def write(path: Path, mesh: Mesh) -> None:
 
 
 def _read(path: Path, shape: Shape) -> Mesh | None:
-    """The mesh in a file, or None where there is none or it is not the one asked for."""
     try:
         data = read_sealed(path)
         if data is None:

@@ -10,12 +10,8 @@ from lagrange.files.output import replaced
 from meshes.shapes import Mesh
 
 # by a file name's ending: meshio's formats that keep triangles beside quadrilaterals, and fields of any width
-FORMATS = {
-    ".vtu": {"file_format": "vtu"},
-    ".vtk": {"file_format": "vtk"},
-    ".xdmf": {"file_format": "xdmf", "data_format": "XML"},  # in one file
-    ".med": {"file_format": "med"},
-}
+FORMATS = {f".{name}": {"file_format": name} for name in ("vtu", "vtk", "xdmf", "med")}
+FORMATS[".xdmf"]["data_format"] = "XML"  # in one file
 
 
 def write_fields(

@@ -20,14 +20,10 @@ Names are loaded when first used, so that the command line starts quickly.
 from importlib import import_module
 
 _HOME = {
-    "Record": "record",
-    "InputError": "errors",
-    "read_result": "sources",
-    "read_table": "sources",
-    "Evaluation": "evaluation",
-    "evaluate": "evaluation",
-    "write_report": "report",
-}
+    "Record": "residual.record", "InputError": "lagrange.errors", "read_result": "residual.sources",
+    "read_table": "residual.sources", "Evaluation": "residual.evaluation", "evaluate": "residual.evaluation",
+    "write_report": "residual.report",
+}  # fmt: skip
 
 __all__ = ["Evaluation", "InputError", "Record", "evaluate", "read_result", "read_table", "write_report"]
 
@@ -35,4 +31,4 @@ __all__ = ["Evaluation", "InputError", "Record", "evaluate", "read_result", "rea
 def __getattr__(name: str):
     if name not in _HOME:
         raise AttributeError(f"module 'residual' has no attribute {name!r}")
-    return getattr(import_module(f"residual.{_HOME[name]}"), name)
+    return getattr(import_module(_HOME[name]), name)

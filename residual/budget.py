@@ -221,12 +221,10 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
 def tilt_summary(found: TiltErrors) -> dict:
     """Numbers of error moments, N m, as JSON has them."""
 
-    def numbers(values: np.ndarray) -> dict[str, float]:
-        return {f"{name}_N_m": value for name, value in Statistics.of(values)._asdict().items()}
-
-    return {
-        "error_moment": numbers(found.error),
-        "budget": {"contact_law": numbers(found.contact_law), "balance": numbers(found.balance)},
-        **{f"hub_moment_{axis}": numbers(values) for axis, values in zip("xy", found.hub, strict=True)},
-        "largest_tilt_rad": found.largest_tilt,
+    named = ("error_moment", found.error), ("contact_law", found.contact_law), ("balance", found.balance)
+    said = {
+        key: {f"{name}_N_m": value for name, value in Statistics.of(values)._asdict().items()}
+        for key, values in (*named, *zip(("hub_moment_x", "hub_moment_y"), found.hub, strict=True))
     }
+    budget = {name: said.pop(name) for name in ("contact_law", "balance")}
+    return {**said, "budget": budget, "largest_tilt_rad": found.largest_tilt}

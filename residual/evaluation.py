@@ -43,7 +43,6 @@ class Direction:
     peaks: list[spectra.Peak]
     levels: list[LineLevel]  # of kinematic lines and resolved sidebands
     resonance: float  # Hz, estimate of the inner ring on its contacts in this direction; 0 where they hold nothing
-    envelope: spectra.Envelope | None  # around it
     term_spectra: dict[str, spectra.Spectrum]  # of each term of the budget
     vibration: vibrations.Vibration  # of sensor, housing or hub, by the run's own acceleration where the source has it
     orders: vibrations.OrderSpectra | None  # where the shaft's speed changes
@@ -69,6 +68,7 @@ class Evaluation:
     unfitted: dict[str, str]  # why the others of these could not be fitted
     laws: list[LawScore]  # ranked, on the held-back samples where a law was fitted
     reference: tuple[float, str]  # N, what errors are compared with, and its name
+    noise: float  # N, no more than round-off beside the forces at work
     too_coarse: sampling.TooCoarse | None  # of a run of ours that vibrates beyond its samples
     position_noise: sampling.PositionNoise | None  # of a table
     tilt: budgets.TiltErrors | None  # of rollers that tilt
@@ -106,11 +106,6 @@ class Evaluation:
         return derivative(t.inner.T, t.interval, order=self.order).T if own is None else own
 
     @property
-    def noise(self) -> float:
-        """Force that is no more than round-off beside those at work, N."""
-        return NOISE * max(self.record.load, self.budget.law_force.max())
-
-    @property
     def within_noise(self) -> bool:
         """Whether the errors that the verdict goes by are not small, and may yet be noise of the positions."""
         noise, error = self.position_noise, hypot(*(each.rms for each in self.judged))
@@ -142,11 +137,6 @@ class Evaluation:
     def statics(self) -> QuasiStatic | None:
         """Equilibria of the Lagrangian model; None where there are none."""
         return quasi_static(self.record, self.law.name)
-
-    @property
-    def floors(self) -> tuple[float, float]:
-        """Estimated error of the inertia forces that differentiation makes, in x and y, N."""
-        return self.x.floor, self.y.floor
 
     @property
     def loaded_count(self) -> np.ndarray:
@@ -238,7 +228,6 @@ def evaluate(
             floor=mass * hypot(*spectra.floor(motion, interval, order, record.precision)), spectrum=density,
             peaks=vibrations.named_peaks(spectra.find_peaks(density, lines), density, lines, resonance, noise),
             levels=vibrations.line_levels(density, lines), resonance=resonance,
-            envelope=spectra.envelope(part.error, interval, resonance, slowest),
             term_spectra={name: power_spectrum(term, interval, slowest) for name, term in part.terms.items()},
             vibration=vibrations.vibration(acceleration, interval, lines, body, band),
             orders=None if tracking is None else vibrations.order_spectra(tracking, part.error, motion, acceleration),
@@ -267,7 +256,7 @@ def evaluate(
         record=used, law=by, order=order, start=used.time[0], budget=budget, x=x, y=y, lines=lines,
         watched=watched, ideal_cage=ideal.frequencies["FTF"], chatter=chatter, quarters=settled,
         identified=identified, unfitted=unfitted, laws=budgets.rank_laws(used, budget, identified), too_coarse=coarse,
-        reference=reference, position_noise=errs,
+        reference=reference, noise=noise, position_noise=errs,
         tilt=budgets.tilt_errors(used, by.name, order) if has_tilts(used) else None,
         notes=tuple(dict.fromkeys(note for note in notes if note)),
     )  # fmt: skip
@@ -280,7 +269,6 @@ def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
 
 
 def _speed_note(record, tracking):
-    """Say where lines are to be found when the speed changes."""
     changes = [
         f"the {name}'s speed changes from {np.min(speeds) / RPM:.5g} to {np.max(speeds) / RPM:.5g} rpm"
         for name, speeds in zip(("shaft", OUTER_RING), record.acting.ring_speeds, strict=True) if varies(speeds)

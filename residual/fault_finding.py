@@ -138,8 +138,8 @@ class RollerMotion:
             "outer": (outside, Circles(b.outer_raceway_radius, r, "bore", r)),
         }
         return {
-            side: (way, pair.line_compliance * softening(wide, circles, np.arcsin(edge / circles.own)))
-            for side, (pair, circles) in met.items()
+            side: (way, pair.line_compliance * softening(wide, at, np.arcsin(edge / at.own)))
+            for side, (pair, at) in met.items()
         }
 
     @cached_property
@@ -255,7 +255,6 @@ class ThreeSamples:
         return found
 
     def _ends(self, surfaces, velocity):
-        """Places at the samples after and before, by the velocity at the middle one."""
         step, push, found = self.lapse / self.steps, self.motion.push, []
         for sign in (1, -1):
             place, speed = self.now, sign * velocity
@@ -298,7 +297,6 @@ class ThreeSamples:
 
 
 def _around(angle):
-    """The same angle, rad, from −π to π."""
     return np.mod(angle + np.pi, 2.0 * np.pi) - np.pi
 
 

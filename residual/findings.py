@@ -128,7 +128,6 @@ def difference_table(e: Evaluation, other: Evaluation, equations: bool = True) -
 
 
 def _quantities(e, equations):
-    """Values by names that end with their units."""
     t, (low, high) = e.record, e.loaded_range
     found = dict(zip(("hub x, mean, µm", "hub y, mean, µm"), 1e6 * t.inner.mean(axis=1), strict=True))
     found |= zip(("hub x, std, nm", "hub y, std, nm"), 1e9 * t.inner.std(axis=1), strict=True)
@@ -210,15 +209,12 @@ def interpretation(e: Evaluation) -> list[str]:
     along = _missing([d.budget.error for d in e.directions], e.record) if name == "load" else 0.0  # N
     missing = along / scale if scale else 0.0
     if name == "load" and not (noise is not None and abs(along) <= WITHIN * max(noise.law)):
-        begin = f"For the simulated contact approaches the law {law} gives"
-        said.append(
-            f"{begin} the load to within {text(100.0 * abs(missing), 2)} %."
-            if abs(missing) < MATTERS
-            else f"{begin} {text(100.0 * abs(missing), 3)} % {'less' if missing > 0.0 else 'more'} force "
-            f"than the load (mean error force against the load {text(along)} N). A law treats each contact alone, "
-            "between rigid bodies; in the run the contacts of a ring share its flexibility. Even an exact simulation "
-            "leaves an error."
-        )
+        percent, words = 100.0 * abs(missing), "A law treats each contact alone, between rigid bodies; in the run the "
+        words += "contacts of a ring share its flexibility. Even an exact simulation leaves an error."
+        more = f"{text(percent, 3)} % {'less' if missing > 0.0 else 'more'} force than the load"
+        words = f"{more} (mean error force against the load {text(along)} N). {words}"
+        words = f"the load to within {text(percent, 2)} %." if abs(missing) < MATTERS else words
+        said.append(f"For the simulated contact approaches the law {law} gives {words}")
     if e.within_noise:
         return [*said, "The variation over time may be noise of the positions; it says nothing about any law."]
     x, y = e.x.error, e.y.error
@@ -411,22 +407,18 @@ def search_sentences(search: FaultSearch) -> list[str]:
             f"{100 * found.explained:.0f} % of the rollers' deviation there from their motion on perfect circles, and "
             f"is {text(found.stands_out, 2)} times the background."
         )
-    clearest = max(search.left, key=lambda m: m.deepest[1])
-    times = text(clearest.deepest[1], 2)
-    nothing, places = ("No other spall", "no other place") if search.found else ("No spall", "no place")
-    said.append(
-        f"There is more: {body_name(clearest.place)} has a place at {times} times the background to which "
-        "no spall was matched."
-        if search.says_more
-        else f"{nothing} found: {places} of any body is above {MAP_STANDS_OUT:g} times its background (at most "
-        f"{times} times)."
-    )
+    clearest, other = max(search.left, key=lambda m: m.deepest[1]), " other" if search.found else ""
+    times, limit = text(clearest.deepest[1], 2), f"{MAP_STANDS_OUT:g} times its background"
+    words = f"No{other} spall found: no{other} place of any body is above {limit} (at most {times} times)."
+    if search.says_more:
+        place = f"{body_name(clearest.place)} has a place at {times} times the background"
+        words = f"There is more: {place} to which no spall was matched."
+    said.append(words)
     rollers = [100.0 * m.seen for m in search.maps if m.place.roller is not None]
     rings = [m for m in search.maps if m.place.roller is None]
     seen = [f"{100 * m.seen:.0f} % of {body_name(m.place)}{unseen_in_words(m)}" for m in rings]
-    low, high = f"{min(rollers):.0f}", f"{max(rollers):.0f}"
-    span = f"{low}{'' if low == high else f' to {high}'} % of each roller"
-    return [*said, f"Examined by rollers in contact: {', '.join([*seen, span])}."]
+    span = " to ".join(dict.fromkeys(f"{of(rollers):.0f}" for of in (min, max)))
+    return [*said, f"Examined by rollers in contact: {', '.join([*seen, span])} % of each roller."]
 
 
 def body_name(place: Place | Fault) -> str:

@@ -281,65 +281,58 @@ def relative(arrays: dict[str, np.ndarray], centre: Sequence[str]) -> dict[str, 
     return found
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what overflows is refused
 def checked(record: Record) -> Record:
     """Return the record unchanged if it makes sense.
 
     InputError: shapes disagree, values are not finite, time is unsorted or irregular, the number of rollers is not the
     scene's, rollers are nowhere near the pitch circle, or there are too few samples.
     """
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused
+        for fault in _faults(record):
+            raise InputError(f"{record.source}: {fault}")
+    return record
+
+
+def _faults(record):
     time, n_rollers, pitch = record.time, record.bearing.n_rollers, record.bearing.pitch_radius
-
-    def refuse_if(wrong, words: str) -> None:
-        if wrong:
-            raise InputError(f"{record.source}: {words}")
-
-    refuse_if(
-        time.size < FEWEST_SAMPLES,
-        f"{time.size} usable samples, at least {FEWEST_SAMPLES} are needed; simulate longer or store more often",
-    )
+    if time.size < FEWEST_SAMPLES:
+        yield f"{time.size} usable samples, at least {FEWEST_SAMPLES} are needed; simulate longer or store more often"
     for name, value in record.arrays.items():
         wanted = (time.size, n_rollers) if per_roller(name) else (time.size,)
-        rollers = value.shape[-1] if per_roller(name) and value.ndim == 2 else n_rollers
-        refuse_if(rollers != n_rollers, f"{name} holds {rollers} rollers, its scene says {n_rollers}")
-        refuse_if(value.shape != wanted, f"{name} has shape {value.shape}, expected {wanted}; the file is damaged")
+        if per_roller(name) and value.ndim == 2 and value.shape[-1] != n_rollers:
+            yield f"{name} holds {value.shape[-1]} rollers, its scene says {n_rollers}"
+        if value.shape != wanted:
+            yield f"{name} has shape {value.shape}, expected {wanted}; the file is damaged"
         bad = ~np.isfinite(value)
-        large = np.abs(value[~bad]).max(initial=0.0) > LARGEST
-        refuse_if(large, f"{name} exceeds {LARGEST:g} in SI units; are the units right?")
-        where = np.unravel_index(np.argmax(bad), value.shape)
-        refuse_if(
-            bad.any(),
-            f"{name} is {value[where]} at sample {where[0]}{''.join(f', roller {j}' for j in where[1:])} "
-            f"({np.count_nonzero(bad)} such values); the run broke down there, leave those samples out",
-        )
-    steps = np.diff(time)
+        if np.abs(value[~bad]).max(initial=0.0) > LARGEST:
+            yield f"{name} exceeds {LARGEST:g} in SI units; are the units right?"
+        if bad.any():
+            where = np.unravel_index(np.argmax(bad), value.shape)
+            yield (
+                f"{name} is {value[where]} at sample {where[0]}{''.join(f', roller {j}' for j in where[1:])} "
+                f"({np.count_nonzero(bad)} such values); the run broke down there, leave those samples out"
+            )
+    steps, mean = np.diff(time), record.interval
     i = np.argmax(steps <= 0.0)
-    refuse_if(
-        steps[i] <= 0.0,
-        f"time does not rise after sample {i} ({time[i]:.9g} s is followed by {time[i + 1]:.9g} s); sort it",
-    )
-    refuse_if(
-        record.interval < SHORTEST_INTERVAL,
-        f"the sampling interval is {record.interval:.3g} s, at least {SHORTEST_INTERVAL:g} s is taken; is time in "
-        "seconds?",
-    )
-    i = np.argmax(np.abs(steps - record.interval))
-    refuse_if(
-        abs(steps[i] - record.interval) > TIME_JITTER * record.interval,
-        f"the sampling interval after sample {i} is {steps[i]:.6g} s, the mean one {record.interval:.6g} s (may differ "
-        f"by {TIME_JITTER:g} of it); --resample brings a table to equal steps",
-    )
-    rho, hub = record.rho, np.hypot(record.inner_x, record.inner_y)
-    i, j = divmod(np.argmax(np.abs(rho - pitch)), n_rollers)
-    farthest, k = farthest_place(record.bearing), np.argmax(hub)
-    refuse_if(
-        abs(rho[i, j] - pitch) > farthest,
-        f"roller {j} is {rho[i, j]:.4g} m from the centre at sample {i}, the scene's pitch radius is {pitch:.4g} m; "
-        "are the positions in metres and the scene the right one?",
-    )
-    refuse_if(
-        hub[k] > farthest,
-        f"the inner ring's centre (inner_x, inner_y) is {hub[k]:.4g} m off at sample {k}, the scene's pitch radius is "
-        f"{pitch:.4g} m; are the positions in metres?",
-    )
-    return record
+    if steps[i] <= 0.0:
+        yield f"time does not rise after sample {i} ({time[i]:.9g} s is followed by {time[i + 1]:.9g} s); sort it"
+    if mean < SHORTEST_INTERVAL:
+        yield f"the sampling interval is {mean:.3g} s, at least {SHORTEST_INTERVAL:g} s is taken; is time in seconds?"
+    i = np.argmax(np.abs(steps - mean))
+    if abs(steps[i] - mean) > TIME_JITTER * mean:
+        yield (
+            f"the sampling interval after sample {i} is {steps[i]:.6g} s, the mean one {mean:.6g} s (may differ by "
+            f"{TIME_JITTER:g} of it); --resample brings a table to equal steps"
+        )
+    rho, hub, farthest = record.rho, np.hypot(record.inner_x, record.inner_y), farthest_place(record.bearing)
+    (i, j), k = np.unravel_index(np.argmax(np.abs(rho - pitch)), rho.shape), np.argmax(hub)
+    if abs(rho[i, j] - pitch) > farthest:
+        yield (
+            f"roller {j} is {rho[i, j]:.4g} m from the centre at sample {i}, the scene's pitch radius is {pitch:.4g} m;"
+            " are the positions in metres and the scene the right one?"
+        )
+    if hub[k] > farthest:
+        yield (
+            f"the inner ring's centre (inner_x, inner_y) is {hub[k]:.4g} m off at sample {k}, the scene's pitch radius "
+            f"is {pitch:.4g} m; are the positions in metres?"
+        )

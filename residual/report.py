@@ -74,13 +74,13 @@ def write_report(e: Evaluation, folder: str | Path, options: ReportOptions = WHO
     def more(fresh: Path) -> None:
         _write_arrays(e, fresh / "residual.nc")
         if options.signals:  # SI, by the names of the result file and of residual.nc; `name_<j>` for those of roller j
-            names = ["time", "inner_x", "inner_y", "inner_ax", "inner_ay", "error_x", "error_y"]
-            columns = [t.time, t.inner_x, t.inner_y, *e.hub_acceleration, e.budget.x.error, e.budget.y.error]
+            names = "time inner_x inner_y inner_ax inner_ay error_x error_y".split()
+            columns = [t.time, *t.inner, *e.hub_acceleration, e.budget.x.error, e.budget.y.error]
             for name, values in (("roller_x", t.roller_x), ("roller_y", t.roller_y), ("inner_force", e.force)):
                 names += [f"{name}_{j}" for j in range(values.shape[1])]
-                columns += list(values.T)
-            header, path = ",".join(names), fresh / "signals.csv"
-            np.savetxt(path, np.column_stack(columns), "%.12g", ",", header=header, comments="", encoding="utf-8")
+                columns += [*values.T]
+            table, header = np.transpose(columns), ",".join(names)
+            np.savetxt(fresh / "signals.csv", table, "%.12g", ",", header=header, comments="")
 
     shows = dict(  # on the page, whose template asks for the findings itself
         e=e, t=t, f=findings, options=options, text=text, hertz=hertz, engineering=engineering, g=G, shown=shown,
@@ -171,7 +171,6 @@ def spectra_json(e: Evaluation, equations: bool = True) -> str:
 
 
 def _script(data):
-    """JSON that may stand inside a script element."""
     return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
@@ -211,59 +210,37 @@ KEYS: dict[type, tuple[str, dict[str, Callable[[Any], Any]]]] = {
     Peak: ("frequency_Hz=frequency psd_N2_Hz=psd rms_N=rms line also resolved", {}),
     LineLevel: (
         "line=name frequency_Hz=frequency rms_N=rms background_rms_N=background stands_out resolved "
-        "record_needed_s=record_needed",
-        {"band_Hz": attrgetter("low", "high")},
-    ),
+        "record_needed_s=record_needed", {"band_Hz": attrgetter("low", "high")}),
     Vibration: (
         "body peak_m_s2=level.peak rms_m_s2=level.rms crest_factor=level.crest kurtosis=level.kurtosis "
-        "envelope_lines=lines",
-        {
-            "bands": lambda v: [{"band_Hz": list(limits)} | numbers(level) for limits, level in v.bands.items()],
-            "velocity_mm_s": lambda v: None if v.velocity is None else 1e3 * v.velocity,
-            "envelope_band_Hz": lambda v: None if v.envelope is None else [v.envelope.low, v.envelope.high],
-        },
-    ),
+        "envelope_lines=lines", {
+        "bands": lambda v: [{"band_Hz": limits} | numbers(level) for limits, level in v.bands.items()],
+        "velocity_mm_s": lambda v: None if v.velocity is None else 1e3 * v.velocity,
+        "envelope_band_Hz": lambda v: None if v.envelope is None else [v.envelope.low, v.envelope.high]}),
     Level: ("rms_m_s2=rms kurtosis crest_factor=crest", {}),
     FaultLine: (
         "line=name frequency_Hz=frequency amplitude_m_s2=amplitude floor_m_s2=floor ratio stands_out resolved nearest "
-        "record_needed_s=record_needed",
-        {},
-    ),
-    FoundSpall: (
-        "body=place.body roller=place.roller stands_out explained passages",
-        {
-            "angle_deg": lambda s: findings.reported_angle(s.place, s.angle),
-            "angle_interval_deg": lambda s: findings.reported_angle(s.place, s.angle) + degrees(s.angle_error) * BOTH,
-            "width_mm": lambda s: 1e3 * s.width,
-            "width_interval_mm": lambda s: 1e3 * s.width + 1e3 * s.width_error * BOTH,
-            "interval_sigmas": lambda _: SIGMAS,
-        },
-    ),
+        "record_needed_s=record_needed", {}),
+    FoundSpall: ("body=place.body roller=place.roller stands_out explained passages", {
+        "angle_deg": lambda s: findings.reported_angle(s.place, s.angle),
+        "angle_interval_deg": lambda s: findings.reported_angle(s.place, s.angle) + degrees(s.angle_error) * BOTH,
+        "width_mm": lambda s: 1e3 * s.width, "width_interval_mm": lambda s: 1e3 * (s.width + s.width_error * BOTH),
+        "interval_sigmas": lambda _: SIGMAS}),
     SinkageMap: ("body=place.body roller=place.roller share=seen", {"unseen_deg": findings.unseen}),
-    PositionNoise: (
-        "rounding_step_m=step roller_rms_m=roller",
-        {
-            "hub_rms_m": lambda n: dict(zip("xy", n.hub, strict=True)),
-            "balance_N": lambda n: dict(zip("xy", n.inertia, strict=True)),
-            "error_N": lambda n: dict(zip("xy", n.error, strict=True)),
-        },
-    ),
-    Stationarity: (
-        "start_s=start",
-        {
-            "hub_std_x_m": lambda s: s.hub["x"], "hub_std_y_m": lambda s: s.hub["y"],
-            "error_rms_x_N": lambda s: s.error["x"], "error_rms_y_N": lambda s: s.error["y"],
-            "settled_from_s": lambda s: None if s.settled is None else s.start[s.settled],
-        },
-    ),
-    LawScore: (
-        "law=name contact_rms_N=contact_rms", {"error_x": lambda s: s.errors[0], "error_y": lambda s: s.errors[1]},
-    ),
+    PositionNoise: ("rounding_step_m=step roller_rms_m=roller", {
+        "hub_rms_m": lambda n: dict(zip("xy", n.hub, strict=True)),
+        "balance_N": lambda n: dict(zip("xy", n.inertia, strict=True)),
+        "error_N": lambda n: dict(zip("xy", n.error, strict=True))}),
+    Stationarity: ("start_s=start", {
+        "hub_std_x_m": lambda s: s.hub["x"], "hub_std_y_m": lambda s: s.hub["y"],
+        "error_rms_x_N": lambda s: s.error["x"], "error_rms_y_N": lambda s: s.error["y"],
+        "settled_from_s": lambda s: None if s.settled is None else s.start[s.settled]}),
+    LawScore: ("law=name contact_rms_N=contact_rms", {
+        "error_x": lambda s: s.errors[0], "error_y": lambda s: s.errors[1]}),
     Interval: ("value low high", {}),
     Identification: (
         "stiffness_N_per_m_to_the_n=stiffness exponent damping_N_s_per_m=damping contacts passages scatter_N=scatter",
-        {"confidence": lambda _: CONFIDENCE},
-    ),
+        {"confidence": lambda _: CONFIDENCE}),
 }  # fmt: skip
 
 
@@ -272,9 +249,8 @@ def numbers(found: Any) -> Any:
     if type(found) in KEYS:
         names, computed = KEYS[type(found)]
         pairs = (name.partition("=") for name in names.split())
-        found = {key: attrgetter(attribute or key)(found) for key, _, attribute in pairs} | {
-            key: of(found) for key, of in computed.items()
-        }
+        own = {key: attrgetter(attribute or key)(found) for key, _, attribute in pairs}
+        found = own | {key: of(found) for key, of in computed.items()}
     if isinstance(found, dict):
         return {key: numbers(value) for key, value in found.items()}
     if isinstance(found, np.ndarray | np.generic):
@@ -348,7 +324,6 @@ def summarise(e: Evaluation, options: ReportOptions) -> dict:
 
 
 def _write_arrays(e, path):
-    """Write residual.nc: HDF5 with dimension scales, which is NetCDF-4."""
     psd, density, tracked = "one-sided PSD of", "N2 Hz-1", e.x.orders
     with hdf5_to_write(path, track_order=True) as file:
 
@@ -372,12 +347,10 @@ def _write_arrays(e, path):
             if d.budget.momentum is not None:
                 own = f"{error} with the run's own contact forces"
                 add(f"momentum_{d.name}", d.budget.momentum, "time", "N", own)
-            of_body = f"the {body}'s acceleration in {d.name}"
-            envelopes = (d.envelope, "", error, density), (d.vibration.envelope, f"{body}_", of_body, "m2 s-4 Hz-1")
-            for found, name, of, unit in envelopes:
-                if found is not None:
-                    of = f"{psd} the envelope of {of}, {found.low:.4g} to {found.high:.4g} Hz"
-                    add(f"{name}envelope_psd_{d.name}", found.spectrum.psd, "frequency", unit, of)
+            if (found := d.vibration.envelope) is not None:
+                of = f"{psd} the envelope of the {body}'s acceleration in {d.name}"
+                of += f", {found.low:.4g} to {found.high:.4g} Hz"
+                add(f"{body}_envelope_psd_{d.name}", found.spectrum.psd, "frequency", "m2 s-4 Hz-1", of)
             if d.orders is not None:
                 of, place = "one-sided PSD over orders of", f"the hub's place in {d.name}"
                 add(f"hub_order_psd_{d.name}", d.orders.path.psd, "shaft_order", "m2", f"{of} {place}")

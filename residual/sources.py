@@ -162,12 +162,10 @@ def _from_file(path, file):
 
 
 def _words(value):
-    """Make text fit to be printed."""
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in str(value)[:LONGEST_WORDS])
 
 
 def _plain(value):
-    """Convert an HDF5 attribute into a plain Python value."""
     if isinstance(value, np.generic | np.ndarray):
         return _plain(value.item()) if value.size == 1 else value.tolist()
     return value.decode("utf-8", errors="replace") if isinstance(value, bytes) else value
@@ -279,7 +277,6 @@ def _kinematic_rollers(path, scene, arrays):
 
 
 def _columns_found(path, header, scene, kinematic):
-    """Find column numbers and factor to SI of each quantity that the table has."""
     n_rollers, centre, found, absent = scene.bearing.present, scene.mounting().centre, {}, dict[str, list[str]]()
     for quantity in (*MOTION, *POLAR, *OPTIONAL, *centre):
         if quantity in POLAR and "roller_x" in found:

@@ -18,6 +18,7 @@ from math import factorial
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import correlate1d
 
 from lagrange.kinematics import OUTER_RING, Kinematics
 
@@ -36,7 +37,6 @@ MOST_PEAKS = 12  # of a spectrum
 PROMINENCE = 4.0  # a peak stands at least this factor above the saddles beside it
 MOST_OTHERS = 2  # lines that a peak may be too: a record that tells hardly any apart would name them all
 BACKGROUND_BINS = 61  # width of the running median
-BAND = (2.0**-0.5, 2.0**0.5)  # of a resonance, of its envelope: one octave around it
 FILTER_ORDER, TOP_OF_NYQUIST = 4, 0.9
 TRANSIENT = 6.0  # periods of the band's width, both ends together
 SHORTEST = 0.01  # periods of the band's lower edge in a record: of slower ones there is no filter in double precision
@@ -75,9 +75,7 @@ def derivative(signal, interval: float, derivative: int = 2, order: int = 6) -> 
     if n_times < order + 1:
         raise ValueError(f"{n_times} samples are too few for a stencil of order {order}: at least {order + 1}")
     motion = signal - signal.mean(axis=0)
-    result = np.zeros_like(motion)
-    for offset, weight in enumerate(weights):
-        result[half : n_times - half] += weight * motion[offset : offset + n_times - order]
+    result = correlate1d(motion, weights, axis=0)
     for i in range(half):
         last = order - i if i else END_POINTS - 1
         near_end = _weights(-i, last, derivative)
@@ -215,10 +213,8 @@ def kinematic_lines(kinematics: Kinematics) -> dict[str, float]:
     found = kinematics.frequencies
     if max(found["shaft"], found.get(OUTER_RING, 0.0)) < SLOWEST:
         return {}
-    return {
-        name if k == 1 else f"{k}×{name}": k * frequency
-        for name, frequency in found.items() if frequency > LOWEST for k in range(1, HARMONICS[name] + 1)
-    }  # fmt: skip
+    return {name if k == 1 else f"{k}×{name}": k * frequency for name, frequency in found.items()
+            if frequency > LOWEST for k in range(1, HARMONICS[name] + 1)}  # fmt: skip
 
 
 def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectrum:
@@ -237,10 +233,9 @@ def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectr
     if slowest_line > 0.0:
         wanted = int(np.ceil(REVOLUTIONS_PER_SEGMENT / slowest_line / interval))
         length = wanted if n >= 2 * wanted else n
-    frequency, psd = welch(
-        signal - signal.mean(), fs=1.0 / interval, window=WINDOW, nperseg=length, noverlap=length // 2,
-        detrend="constant", scaling="density")  # fmt: skip
-    return Spectrum(frequency, psd, 1.0 / (length * interval), 1 + (n - length) // (length - length // 2))
+    signal = signal - signal.mean()  # as a whole, and of each segment
+    density = welch(signal, fs=1.0 / interval, window=WINDOW, nperseg=length, noverlap=length // 2, detrend="constant")
+    return Spectrum(*density, 1.0 / (length * interval), 1 + (n - length) // (length - length // 2))
 
 
 def find_peaks(spectrum: Spectrum, lines: dict[str, float]) -> list[Peak]:
@@ -293,13 +288,6 @@ class Envelope(NamedTuple):
     band: np.ndarray  # (n_times,), the signal in the band
     level: np.ndarray  # (n_times,), the envelope
     spectrum: Spectrum  # of the envelope, its mean removed
-
-
-def envelope(signal, interval: float, resonance: float, slowest_line: float = 0.0) -> Envelope | None:
-    """Envelope around a resonance, Hz; None where the signal is too coarse or too short for it, or has none."""
-    if resonance <= 0.0 or resonance >= TOP_OF_NYQUIST * 0.5 / interval:
-        return None
-    return band_envelope(signal, interval, resonance * BAND[0], resonance * BAND[1], slowest_line)
 
 
 def band_envelope(signal, interval: float, low: float, high: float, slowest_line: float = 0.0) -> Envelope | None:

@@ -1,7 +1,6 @@
 """Folders of a command's results that appear whole or not at all: a page, its figures, summary.json."""
 
 import json
-import os
 import secrets
 import shutil
 from collections.abc import Callable, Mapping
@@ -42,7 +41,7 @@ def write_folder(
     fresh = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")  # known before it exists: no signal leaves it
     old = fresh.with_name(fresh.name + "-old")
     try:
-        fresh.mkdir(mode=0o700)
+        fresh.mkdir()
         if draw is not None:
             load_matplotlib()
         figures = {} if draw is None else draw(fresh)
@@ -53,9 +52,6 @@ def write_folder(
         summary = {"program": program, "program_version": VERSION} | summary | {"files": files}
         said = json.dumps(summary, indent=1, allow_nan=False, ensure_ascii=False)
         (fresh / "summary.json").write_text(said + "\n", encoding="utf-8")
-        umask = os.umask(0)
-        os.umask(umask)
-        fresh.chmod(0o777 & ~umask)
         if folder.exists():  # the old one goes last
             folder.rename(old)
         try:

@@ -83,11 +83,8 @@ def sidebands(lines: dict[str, float]) -> dict[str, float]:
 
 
 def _first_sidebands(lines, sides):
-    """First sidebands above 0 Hz, by name, of pairs of carrier and modulator, where `lines` holds both."""
-    found = {
-        f"{carrier}{symbol}{modulator}": lines[carrier] + sign * lines[modulator]
-        for carrier, modulator in sides if carrier in lines and modulator in lines for sign, symbol in BOTH_SIDES
-    }  # fmt: skip
+    found = {f"{carrier}{symbol}{modulator}": lines[carrier] + sign * lines[modulator] for carrier, modulator in sides
+             if carrier in lines and modulator in lines for sign, symbol in BOTH_SIDES}  # fmt: skip
     return {name: frequency for name, frequency in found.items() if frequency > 0.0}
 
 

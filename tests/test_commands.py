@@ -192,6 +192,8 @@ STARTS = {  # the program, what it may not load
     "lagrange": (SHORT.format("lagrange"), HEAVY),
     "rating": ("from fem.commands.rate_bearing import rate_main; code = rate_main(['--bearing', 'NU206'])",
                "numba matplotlib scipy.optimize h5py"),
+    "check-vibration": ("from residual.check_vibration import main; code = main(['--help'])",
+                        "numpy scipy matplotlib h5py pydantic"),
     "interface": ("from fem.interface import simulate; code = 0", "numba scipy residual"),
 }  # fmt: skip
 

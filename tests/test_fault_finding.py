@@ -70,8 +70,7 @@ def test_three_samples_tell_how_deep_a_surface_lies_under_a_roller_that_rattles(
     aside = 1e-6 + amplitude * np.cos(phase * np.arange(60) + 0.3)
     motion = flat_motion(aside, 5e-6 - aside, 5e-6 + aside)
     samples = ThreeSamples(motion, np.arange(1, 59), np.zeros(58, dtype=int))
-    assert motion.stride == 1
-    assert np.abs(samples.over([], (0.0, 2e-6))).max() < 0.1 * amplitude + 1e-12
+    assert motion.stride == 1 and np.abs(samples.over([], (0.0, 2e-6))).max() < 0.1 * amplitude + 1e-12
     share = 2.0 * (1.0 - np.cos(phase))
     np.testing.assert_allclose(samples.over([])[0], share * 1e-6, rtol=0.03, atol=0.1 * amplitude)
     # in flight between both contacts, without a pull, it goes straight on and misses nothing
@@ -118,8 +117,7 @@ SOUND = {
 @pytest.mark.parametrize("surfaces", SOUND)
 def test_surfaces_without_a_spall_have_none(surfaces):
     made = find_faults(recorded(*SOUND[surfaces], noise=10e-9))
-    assert made.found == ()
-    assert "No spall found" in search_sentences(made)[0]
+    assert made.found == () and "No spall found" in search_sentences(made)[0]
 
 
 def test_the_search_sees_neither_the_scenes_surfaces_nor_forces():
@@ -176,8 +174,7 @@ def test_the_command_prints_and_writes_what_it_found(tmp_path, capsys):
     settings = "model=reduced numerics.duration_ms=20 numerics.output_interval_us=10 spall.0.width_mm=0.6 "
     settings += "spall.0.angle_deg=20"
     sets = [word for each in settings.split() for word in ("--set", each)]
-    assert run_main([*sets, "--output", str(path), "--quiet"]) == 0
-    assert main([str(path), "--find-faults"]) == 0
+    assert run_main([*sets, "--output", str(path), "--quiet"]) == 0 and main([str(path), "--find-faults"]) == 0
     assert "Found a spall on the outer ring" in capsys.readouterr().out
     (spall,) = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["faults"]
     (left, right), (low, high) = spall["angle_interval_deg"], spall["width_interval_mm"]

@@ -57,8 +57,7 @@ def test_standing_turning_back_and_steady_speeds_are_left_out(tmp_path):
     """Also where the check skips the run's beginning."""
     record = record_of(tmp_path, "time_ms,speed_rpm\n0,-3000\n200,0\n300,0\n400,3000\n1500,6000\n", 1500)
     found = tracking_of(record)
-    assert 0.3 < found.time[0] < 0.4 and found.time[-1] == record.time[-1]
-    assert np.all(np.diff(found.turn) > 0.0)
+    assert 0.3 < found.time[0] < 0.4 and found.time[-1] == record.time[-1] and np.all(np.diff(found.turn) > 0.0)
     assert evaluate(record, "harris", start=0.1).y.orders.peaks[0].line == "BPFO"
     steady = record_of(tmp_path, "time_ms,speed_rpm\n0,3000\n400,3000\n", 400)  # has no orders but frequencies
     assert tracking_of(steady) is None

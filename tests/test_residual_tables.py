@@ -129,7 +129,7 @@ REMEDIES = {
     "mat": (b"MATLAB 5.0 MAT-file" + bytes(99), "writetable"),
     "accelerations": ("time,inner_ax,inner_ay\n0,1,2", "accelerations are not enough"),
     "orbit": ("time,inner_x,inner_y\n0,1,2", "the hub's orbit is not enough"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", REMEDIES)
@@ -223,8 +223,7 @@ def test_orbit_alone_is_checked_with_rollers_that_roll_without_slip(tmp_path, ca
     (tmp_path / "scene.toml").write_text('model = "lagrange"\n', encoding="utf-8")
     words = [str(tmp_path / "orbit.csv"), "--scene", str(tmp_path / "scene.toml"), "--no-figures", "--quiet"]
     assert main(words) == 2 and "--kinematic-rollers assumes rollers" in capsys.readouterr().err
-    assert main([*words, "--kinematic-rollers"]) == 0
-    assert main([str(tmp_path / "run.nc"), "--kinematic-rollers"]) == 2
+    assert main([*words, "--kinematic-rollers"]) == 0 and main([str(tmp_path / "run.nc"), "--kinematic-rollers"]) == 2
     assert "--kinematic-rollers: only for tables" in capsys.readouterr().err
     (tmp_path / "scene.toml").write_text("[[spall]]\nwidth_mm = 1.0\n", encoding="utf-8")
     assert main([*words, "--kinematic-rollers"]) == 2 and "only for perfect rings" in capsys.readouterr().err

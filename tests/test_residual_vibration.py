@@ -3,10 +3,8 @@
 import re
 from functools import cache
 
-import h5py
 import numpy as np
 import pytest
-from scipy.signal.windows import hann
 
 from fem.commands.run_fem import run_main
 from fem.interface import check_quantities
@@ -117,8 +115,7 @@ def test_a_comb_of_the_cage_is_floor_and_short_or_coarse_records_and_standing_be
     assert bpfo.stands_out and bpfo.floor == pytest.approx(0.03, rel=0.05)
     record = (1.0 + 0.5 * tone(lines["BPFO"])) * tone(CARRIER) + noise(0.01)
     line = by_name(judged(record[:6000]))["2×BSF+FTF"]
-    assert not line.resolved and not line.stands_out
-    assert judged(noise(1.0), step=20.0 * STEP).envelope is None
+    assert not line.resolved and not line.stands_out and judged(noise(1.0), step=20.0 * STEP).envelope is None
     told = [any(line.resolved for line in judged(noise(1.0)[:n]).lines) for n in (1000, 6000)]
     assert told == [False, True]
     standing = judged(noise(1.0), {})
@@ -182,19 +179,17 @@ def test_check_residual_and_check_vibration_give_one_verdict_on_a_run(runs, name
     assert check_vibration([str(runs(name)), "--quiet", "--no-figures", "--output", str(tmp_path / "b")]) == 0
     there = read_json(tmp_path / "b" / "summary.json")
     assert here["diagnosis"] == {key: there[key] for key in ("verdict", "reasons")}
-    assert "Verdict of check-vibration on the hub" in page
+    assert "Verdict of check-vibration on the hub" in page and '<h2 id="vibration">' in page
+    assert RUNS[name][-1] in page
 
 
-def test_a_spall_against_the_healthy_bearing_is_told_in_decibels_and_the_figure_says_which_band_it_shows(
-    runs, tmp_path, capsys
-):
+def test_a_spall_against_the_healthy_bearing_is_told_in_decibels_and_the_figure_names_its_band(runs, tmp_path, capsys):
     """From 3 BPFI at the run's own cage speed, 1.78 kHz, to 0.9 of 50 kHz."""
     options = "--against", runs("healthy"), "--no-equations", "--no-figures"
     _, page = report_of(runs("outer"), tmp_path / "report", *options)
     row = re.search(r"<td>BPFO, g, y</td>\s*<td>(\S+)</td>\s*<td>(\S+)</td>\s*<td>\+([\d.]+)</td>", page)
     found = [float(number.replace("·10⁻", "e-").translate(LOWERED)) for number in row.groups()]
-    assert found[2] == pytest.approx(20.0 * np.log10(found[0] / found[1]), abs=0.1)
-    assert found[2] > 40.0
+    assert found[2] == pytest.approx(20.0 * np.log10(found[0] / found[1]), abs=0.1) and found[2] > 40.0
     assert "difference, dB" in capsys.readouterr().out
     drawn = envelope(evaluate(read_result(runs("outer"))))
     assert "within 1.78 to 45 kHz: in y over 5 roller passages" in drawn.caption
@@ -216,24 +211,9 @@ def test_vibration_is_the_sensors_or_the_housings_in_g_too_and_studies_take_its_
     summary, page = report_of(path, tmp_path / "out", "--quiet")
     found = summary["vibration_y"]
     assert f'<h2 id="vibration">Vibration of the {body}</h2>' in page and f"<th>{body}, y, g</th>" in page
+    assert found["crest_factor"] == pytest.approx(found["peak_m_s2"] / found["rms_m_s2"], rel=1e-12)
     assert found["body"] == body and found["rms_m_s2"] == pytest.approx(made.std(), rel=1e-9)
     kept = {each.name: each.value for each in check_quantities(evaluate(read_result(path)))}
     assert kept["sensor_rms"] == found["rms_m_s2"] and kept["sensor_crest"] == pytest.approx(2.0, rel=1e-2)
     assert kept["sensor_bpfo"] == pytest.approx(0.5 * size, rel=0.01) and kept["sensor_bpfi"] < 0.01 * size
     assert kept["sensor_kurtosis"] == found["kurtosis"]
-
-
-@pytest.mark.usefixtures("plain_report")
-def test_the_summary_holds_the_numbers_of_the_section(runs, tmp_path):
-    path = runs("outer")
-    summary, page = report_of(path, tmp_path / "out", "--quiet")
-    found = summary["vibration_y"]
-    with h5py.File(path) as file:
-        motion = file["inner_ay"][:] - file["inner_ay"][:].mean()
-    window = hann(motion.size, sym=False)  # of one segment: the run is short
-    squares = sum(band["rms_m_s2"] ** 2 for band in found["bands"])
-    assert np.sqrt(squares) == pytest.approx(np.linalg.norm(window * motion) / np.linalg.norm(window), rel=1e-3)
-    assert found["rms_m_s2"] == pytest.approx(motion.std(), rel=1e-9)
-    assert found["crest_factor"] == pytest.approx(found["peak_m_s2"] / found["rms_m_s2"], rel=1e-12)
-    assert next(line for line in found["envelope_lines"] if line["line"] == "BPFO")["stands_out"]
-    assert '<h2 id="vibration">' in page and "a spall 0.5 mm wide on the outer ring" in page

@@ -162,13 +162,12 @@ SHORT = ("model=lagrange", *ONE, "spall.0.angle_deg=2", "numerics.duration_ms=0.
 
 def everything(path):
     with h5py.File(path) as file:
-        group = {f"events/{name}": column[:].tolist() for name, column in file["events"].items()}
-        return group | {name: file[name][:].tolist() for name in ("inner_sinkage", "outer_sinkage", "roller_turn")}
+        names = "inner_sinkage", "outer_sinkage", "roller_turn", *(f"events/{name}" for name in file["events"])
+        return {name: file[name][:].tolist() for name in names}
 
 
 def test_a_run_that_was_stopped_and_resumed_has_the_same_events(tmp_path):
-    whole, broken = tmp_path / "whole.nc", tmp_path / "broken.nc"
-    scene = read_scene(None, SHORT)
+    whole, broken, scene = tmp_path / "whole.nc", tmp_path / "broken.nc", read_scene(None, SHORT)
     run_scene(scene, whole, RunOptions(quiet=True))
     plan = make_plan(scene)
     state = plan.first_state()
@@ -178,8 +177,7 @@ def test_a_run_that_was_stopped_and_resumed_has_the_same_events(tmp_path):
         store.commit()
         save_checkpoint(broken, state, store.stored)
         store.finish("interrupted")
-    assert checkpoint_path(broken).is_file()
-    assert everything(broken)["events/kind"] == [b"entry"]
+    assert checkpoint_path(broken).is_file() and everything(broken)["events/kind"] == [b"entry"]
     run_scene(scene, broken, RunOptions(quiet=True, resume=True))
     assert everything(broken) == everything(whole)
     assert everything(whole)["events/kind"] == [b"entry", b"strike", b"exit"]
@@ -217,8 +215,7 @@ def test_elastic_bodies_enter_and_leave_where_rolling_says(model, body, tmp_path
     run_scene(read_scene(None, (*ONE, *WHERE[body], *settings)), path, RunOptions(quiet=True))
     with h5py.File(path) as file:
         events = {name: column[:] for name, column in file["events"].items()}
-    edges = events["kind"] != b"strike"
-    expected = crossings(body, 2e-3)
+    edges, expected = events["kind"] != b"strike", crossings(body, 2e-3)
     assert edges.sum() == len(expected) > 1
     np.testing.assert_allclose(events["time"][edges], [t for t, _ in expected], atol=2e-6)
     assert events["roller"][edges].tolist() == [j for _, j in expected]

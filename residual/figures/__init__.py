@@ -164,10 +164,8 @@ def mark_lines(axis, lines: dict[str, float], low: float, high: float, unit: str
         width, style = (1.1, DASHED) if family(name) == name else (0.8, DOTTED)
         axis.axvline(frequency, color=LINE_COLOURS[family(name)], linewidth=width, linestyle=style, zorder=1)
     of = of or lines
-    return [
-        Line2D([], [], color=LINE_COLOURS[name], linestyle=DASHED, label=f"{name} {of[name]:.4g}{unit}")
-        for name in dict.fromkeys(family(name) for _, name in shown)
-    ]
+    return [Line2D([], [], color=LINE_COLOURS[name], linestyle=DASHED, label=f"{name} {of[name]:.4g}{unit}")
+            for name in dict.fromkeys(family(name) for _, name in shown)]  # fmt: skip
 
 
 def save(drawing: Drawing, folder: Path) -> Drawing:

@@ -7,6 +7,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.collections import LineCollection
+from matplotlib.patches import Circle
 
 from lagrange import mounting
 from lagrange.columns import ENERGIES
@@ -32,9 +33,7 @@ MOST_SPALLS, MOST_PASSAGES = 3, 150  # figures, of those struck hardest; passage
 MEAN_POINTS, SHOWN = 401, 2.6  # half-widths on either side of the middle
 OF_PATHS = 0.05  # of a path's width, on either side
 BESIDE_SPALL = 0.4e-3  # m, shown on either side of a spall found
-SHARP_STATED = (
-    "Loaded ends of these profiles have an edge, where pressure has no limit: values there are averages over a slice."
-)
+SHARP = "Loaded ends of these profiles have an edge, where pressure has no limit: values there are means over a slice."
 ENERGY_CURVES = {
     "energy_kinetic": ("kinetic", BLUE), "energy_elastic": ("elastic", RED), "energy_contact": ("contact", PURPLE),
     "energy_support": ("support", SKY), "energy_shaft": ("shaft", ORANGE), "work_external": ("external work", GREEN),
@@ -57,7 +56,7 @@ def draw_figures(
             "search": [] if found is None else [search(found)],
         }  # fmt: skip
         if equations:
-            drawn["spectra"] = [spectra.whole(e), spectra.resonance_envelope(e)]
+            drawn["spectra"] = [spectra.whole(e)]
             drawn["budget"] = spectra.budget(e)
         methods = {group: method_sentence(e, other if group == "against" else None) for group in drawn}
         return {
@@ -84,11 +83,10 @@ def history(e: Evaluation, equations: bool) -> Drawing:
         curves(axis, time, (values, BLUE))
     for first, last in load_zones(loaded[:, j], e.chatter):
         axes[2].axvspan(time[first], time[last], color=ORANGE, alpha=0.18, linewidth=0)
-    caption = (
+    return Drawing("history", "Motion over time",
         f"Centre of the inner ring; radial place ρ of roller {j} beyond the pitch radius, shaded where its inner "
-        f"contact is closed (load zone){'; error forces, 0 for a perfect model' if equations else ''}."
-    )
-    return Drawing("history", "Motion over time", caption, figure)
+        f"contact is closed (load zone){'; error forces, 0 for a perfect model' if equations else ''}.",
+        figure)  # fmt: skip
 
 
 def orbit(e: Evaluation) -> Drawing:
@@ -99,8 +97,7 @@ def orbit(e: Evaluation) -> Drawing:
     axes.margins(x=OF_PATHS)
     caption = f"Path of the inner ring's centre about its mean, x = {length(x)}, y = {length(y)}."
     if statics is not None:
-        x, y = statics.x[:-1].mean(), statics.y[:-1].mean()
-        name = f"Lagrangian statics, {statics.law}"
+        x, y, name = statics.x[:-1].mean(), statics.y[:-1].mean(), f"Lagrangian statics, {statics.law}"
         curves(axes, 1e6 * (statics.x - x), (1e6 * (statics.y - y), ORANGE, name, 2.0))
         caption += (
             f" Thick: the equilibria of the Lagrangian model (rigid rings, law {statics.law}) over one roller passage, "
@@ -166,11 +163,10 @@ def tilt(e: Evaluation) -> Drawing | None:
     _dots(axes[1], angle, (t.inner_moment, BLUE, "inner raceway"), (t.outer_moment, ORANGE, "outer raceway"))
     axes[1].legend(loc="upper left", markerscale=5)
     x, y = (text(1e3 * np.asarray(each).mean()) for each in (t.inner_slope_x, t.inner_slope_y))
-    caption = (
+    return Drawing("tilt", "Tilt and moments of the rollers",
         "Tilt of each roller (its +z end outwards is positive) and the moments of its contacts, all rollers "
-        f"and times; they differ by the roller's inertia alone. Mean slope of the shaft: {x} mrad in x, {y} mrad in y."
-    )
-    return Drawing("tilt", "Tilt and moments of the rollers", caption, figure)
+        f"and times; they differ by the roller's inertia alone. Mean slope of the shaft: {x} mrad in x, {y} mrad in y.",
+        figure)  # fmt: skip
 
 
 def pressure(e: Evaluation) -> Drawing | None:
@@ -200,7 +196,7 @@ def pressure(e: Evaluation) -> Drawing | None:
         "Pressure on both raceways, unrolled: at every angle the contact with the largest force. Below: pressure along "
         f"the most loaded rollers at {text(1e3 * found.time)} ms, when a contact has the largest moment, by slices. "
     )
-    caption += SHARP_STATED if found.edges else f"Largest: {peak[0]} MPa (inner raceway), {peak[1]} MPa (outer)."
+    caption += SHARP if found.edges else f"Largest: {peak[0]} MPa (inner raceway), {peak[1]} MPa (outer)."
     return Drawing("pressure", "Pressure along the rollers", caption, figure)
 
 
@@ -209,10 +205,8 @@ def energy(e: Evaluation) -> Drawing | None:
     if not set(ENERGIES) <= set(energies):
         return None
     figure, axes = panels(2, 4.8, x="time, ms", y=["change, mJ", "imbalance, µJ"])
-    rows = [
-        (1e3 * (energies[key] - energies[key][0]), colour, label, 1.1)
-        for key, (label, colour) in ENERGY_CURVES.items() if key in energies
-    ]  # fmt: skip
+    rows = [(1e3 * (energies[key] - energies[key][0]), colour, label, 1.1)
+            for key, (label, colour) in ENERGY_CURVES.items() if key in energies]  # fmt: skip
     curves(axes[0], time, *rows)
     legend_above(axes[0], len(rows), 0.0 if len(rows) <= SHORT_ROW else LONG_ROW, columnspacing=0.9, handlelength=1.1)
     imbalance = energy_imbalance(energies)
@@ -291,11 +285,9 @@ def against(e: Evaluation, other: Evaluation) -> Drawing:
             curves(axes[3 + i], spectrum.frequency[1:], (np.maximum(spectrum.psd[1:], 1e-300), *style))
     axes[2].set_ylim(bottom=0.0)
     legend_above(axes[0], 2)
-    caption = (
+    return Drawing("against", "Comparison",
         f"The {what} over time, forces of the inner contacts over the rollers' angle, and power spectral densities of "
-        f"the {of}, overlaid."
-    )
-    return Drawing("against", "Comparison", caption, figure)
+        f"the {of}, overlaid.", figure)  # fmt: skip
 
 
 def cage(e: Evaluation) -> Drawing | None:
@@ -307,10 +299,8 @@ def cage(e: Evaluation) -> Drawing | None:
     figure, (path, forces, slips) = panels((1, 2), 8.4, shares=(1.6, 1.0, 1.0), x=("x, µm", "time, ms"), y=names)
     x, y = (t.inner_x, t.inner_y) if facts.guidance == "inner_ring" else (0.0, 0.0)
     play = facts.pocket_clearance if facts.guidance_clearance is None else facts.guidance_clearance
-    turn = np.linspace(0.0, 2.0 * np.pi, 200)
     curves(path, 1e6 * (own.x - x), (1e6 * (own.y - y), BLUE, None, 0.7))
-    dashed = {"linewidth": 0.8, "linestyle": "--"}
-    curves(path, 5e5 * play * np.cos(turn), (5e5 * play * np.sin(turn), GREY, None, dashed))
+    path.add_patch(Circle((0.0, 0.0), 5e5 * play, fill=False, color=GREY, linewidth=0.8, linestyle="--"))
     path.margins(x=OF_PATHS)
     path.set_aspect("equal", adjustable="datalim")
     guided = np.hypot(own.guidance_x, own.guidance_y)
@@ -336,12 +326,10 @@ def cage(e: Evaluation) -> Drawing | None:
         curves(slips, middle, (rollers, ORANGE, "rollers"), (cages, BLUE, "cage"))
         slips.legend(loc="upper right", ncols=2, frameon=True, framealpha=0.8, edgecolor="none")
         mean = kinematics(t.bearing, *t.mean_speeds).cage
-        whole = "the cage turns less than once and has no mean slip"
-        if mean == 0.0:
-            whole = "the motion reverses and has no mean slip"
-        elif t.orbits >= 1.0:
-            slip = 100.0 * (1.0 - own.speed(t.interval) / mean)
-            whole = f"of the cage over the whole record {text(slip, 2)} %"
+        whole = f"the {'cage turns less than once' if mean else 'motion reverses'} and has no mean slip"
+        if mean and t.orbits >= 1.0:
+            slip = text(100.0 * (1.0 - own.speed(t.interval) / mean), 2)
+            whole = f"of the cage over the whole record {slip} %"
         caption += (
             f" Below: slip of the cage and of the rollers (their mean), {text(1e3 * seconds)} ms at a time, "
             f"where the shaft turns with at least an eighth of its highest speed; {whole}."
@@ -368,8 +356,7 @@ def passages(e: Evaluation) -> Iterator[Drawing]:
         if whole and np.any(each.force > 0.0):
             found.setdefault(each.spall, []).append(each)
     hardest = sorted(found, key=lambda spall: -max(each.force.max() for each in found[spall]))[:MOST_SPALLS]
-    for spall in sorted(hardest):
-        yield _overlay(e, spall, found[spall])
+    yield from (_overlay(e, spall, found[spall]) for spall in sorted(hardest))
 
 
 def _overlay(e, number, found):

@@ -22,8 +22,7 @@ BINS_PER_DECADE = 120
 TERM_RANGE, ORDERS_RANGE, PATH_RANGE = 1e-9, 1e-8, 1e-9  # of densities shown
 USUAL_TERMS, ROOM_FOR_A_TERM, INCHES_OF_A_SHARE = 4, 0.4, 1.6  # more terms take more room for their bars
 NAMES = 1.2  # inches, of terms beside their bars
-LEAST_BINS = 20  # of an envelope's spectrum, of a record shorter than a passage
-ENVELOPE_BAND, SPECTRUM_TO, LINES_TO = 3.3, 2.2, 3.2  # times BPFI: of resonances, of runs' and records' vibration
+SPECTRUM_TO, LINES_TO = 2.2, 3.2  # times BPFI: of runs' and records' vibration
 HEADROOM = 1.05  # above the highest line
 OF_RECORDS = 0.05  # of the width of a record's spectrum or a series, on either side
 MARKED = ("FTF", "shaft", OUTER_RING, "BPFO", "BPFI")
@@ -52,44 +51,14 @@ def whole(e: Evaluation) -> Drawing:
             axis.plot(peak.frequency, 2.2 * peak.psd, marker="v", markersize=6, color=colour, linestyle="none",
                       markerfacecolor=colour if peak.resolved else "white", clip_on=False)  # fmt: skip
     if marked:
-        mark.set_label(f"hub on its contacts ≈ {_resonances(marked)}")
+        resonances = ", ".join(f"{d.name} {1e-3 * d.resonance:.3g}" for d in marked)
+        mark.set_label(f"hub on its contacts ≈ {resonances} kHz")
         handles.append(mark)
     legend_above(axes[0], 3, handles=handles, columnspacing=1.4)
-    caption = (
+    return Drawing("whole_spectra", "Spectra of the error forces",
         f"One-sided power spectral densities of the error forces up to the Nyquist frequency, {f[-1] / 1e3:.4g} kHz. "
         "Dashed: kinematic lines; dotted: their harmonics. Triangles: peaks that stand out of the background, hollow "
-        f"where zero frequency or another line lies within {2 * e.x.spectrum.resolution:.3g} Hz."
-    )
-    return Drawing("whole_spectra", "Spectra of the error forces", caption, figure)
-
-
-def _resonances(directions):
-    return ", ".join(f"{d.name} {1e-3 * d.resonance:.3g}" for d in directions) + " kHz"
-
-
-def resonance_envelope(e: Evaluation) -> Drawing | None:
-    """Spectra of the envelopes of the bands around the ring's resonances; None where there are none."""
-    found = [(d, d.envelope) for d in e.directions if d.envelope is not None]
-    if not found:
-        return None
-    names = [f"envelope PSD, {d.name}, N²/Hz" for d, _ in found]
-    figure, axes = panels(len(found), 0.6 + 2.4 * len(found), lines=2, x="frequency, Hz", y=names)
-    finest = max(envelope.spectrum.frequency[1] for _, envelope in found)
-    top = max(ENVELOPE_BAND * e.lines.get("BPFI", 1000.0), LEAST_BINS * finest)
-    for axis, (_, envelope) in zip(axes, found, strict=True):
-        f = envelope.spectrum.frequency
-        inside = (f > 0.0) & (f <= top)
-        curves(axis, f[inside], (envelope.spectrum.psd[inside], BLUE, None, 1.0), yscale="log", xlim=(0.0, top))
-        look.without_minor_ticks(axis)
-        handles = mark_lines(axis, e.lines, 0.0, top)
-    legend_above(axes[0], 3, handles=handles)
-    parts = "; ".join(f"{d.name}, {v.low / 1e3:.3g} to {v.high / 1e3:.3g} kHz: {text(v.rms, 3)}" for d, v in found)
-    caption = (
-        "Spectra of the envelope of the error force in an octave around the resonance of the ring on its contacts, "
-        f"{_resonances(d for d, _ in found)}. Rms of the bands, N: {parts}. A line means that the resonance "
-        "is amplitude-modulated at that frequency."
-    )
-    return Drawing("envelope", "Envelope spectra around the ring's resonances", caption, figure)
+        f"where zero frequency or another line lies within {2 * e.x.spectrum.resolution:.3g} Hz.", figure)  # fmt: skip
 
 
 def budget(e: Evaluation) -> list[Drawing | None]:
@@ -120,11 +89,10 @@ def _terms(e, acting):
     look.without_minor_ticks(bars)
     bars.set_yticks(position, [label.replace(" ", "\n", 1) for label in labels.values()])
     bars.grid(axis="y", visible=False)
-    caption = (
+    return Drawing("budget", "Budget of the error forces",
         "What the error forces are made of; the terms add up to the error sample by sample. Momentum balance: the "
-        "error with the run's own contact forces in place of the law, = differentiation + ring flexibility."
-    )
-    return Drawing("budget", "Budget of the error forces", caption, figure)
+        "error with the run's own contact forces in place of the law, = differentiation + ring flexibility.",
+        figure)  # fmt: skip
 
 
 def _term_spectra(e, acting):
@@ -141,12 +109,10 @@ def _term_spectra(e, acting):
         terms, _ = axis.get_legend_handles_labels()
         lines = mark_lines(axis, {name: line for name, line in e.lines.items() if "×" not in name}, f[0], f[-1])
     legend_above(axes[0], 4, handles=[*terms, *lines], columnspacing=1.2, handlelength=1.4)
-    caption = (
+    return Drawing("budget_spectra", "Spectra of the budget's terms",
         "One-sided power spectral density of each term and of the error, averaged over "
         f"{BINS_PER_DECADE} bins a decade where the record resolves more. Dashed: kinematic lines. Terms are not "
-        "independent: where two of them cancel, the error lies below both."
-    )
-    return Drawing("budget_spectra", "Spectra of the budget's terms", caption, figure)
+        "independent: where two of them cancel, the error lies below both.", figure)  # fmt: skip
 
 
 def _by_decade(spectrum):
@@ -204,15 +170,13 @@ def envelope(e: Evaluation) -> Drawing | None:
         axis.set_ylim(0.0, HEADROOM * max(highest, TINY))
         look.name_lines(axis, high)
     legend_above(axes[0], 5, handles=handles, **LEFT_LEGEND)
-    caption = (
+    return Drawing(f"{body}_envelope", f"Envelope spectra of the {body}'s acceleration",
         f"Acceleration of the {loud.vibration.body} within {text(1e-3 * loudest.low, 3)} to "
         f"{text(1e-3 * loudest.high, 3)} kHz: in {loud.name} over {PASSAGES_SHOWN:g} roller "
         "passages with its envelope, and amplitude spectra of the "
         f"envelopes (Δf = {text(loudest.spectrum.resolution, 3)} Hz). Dashed: FTF, shaft, BPFO, BPFI; dotted: "
         "multiples, sidebands of BPFI by the shaft, and 2×BSF with sidebands by the cage. Dots: lines that are high "
-        "above their floors, hollow where the record does not resolve them."
-    )
-    return Drawing(f"{body}_envelope", f"Envelope spectra of the {body}'s acceleration", caption, figure)
+        "above their floors, hollow where the record does not resolve them.", figure)  # fmt: skip
 
 
 def orders(e: Evaluation) -> Drawing | None:
@@ -252,14 +216,12 @@ def orders(e: Evaluation) -> Drawing | None:
     axis.grid(visible=False)
     speed = 60.0 * np.gradient(tracking.turn, tracking.time)
     low, high = text(speed.min(), 4), text(speed.max(), 4)
-    caption = (
+    return Drawing("orders", "Order spectra of the hub",
         f"Order spectra (power spectral densities) of the hub's path, and of the envelope of the {body}'s "
         f"acceleration, resampled at {tracking.angles.size} equal angles of the {over} while it turns with "
         f"{low} to {high} rpm (Δ = {text(x.path.resolution, 2)} orders). Dashed: kinematic lines by the run's own "
         "cage, which stay where they are in orders; dotted: multiples. Below, the path's y along the record: Hann "
-        f"windows of {text(length * step, 3)} turns; what follows the {over} is horizontal."
-    )
-    return Drawing("orders", "Order spectra of the hub", caption, figure)
+        f"windows of {text(length * step, 3)} turns; what follows the {over} is horizontal.", figure)  # fmt: skip
 
 
 def measured_figures(record: Judged, other: Judged | None, folder: Path) -> list[Drawing]:
@@ -294,12 +256,10 @@ def _modulation(record, other):
             legend_above(axis, 5, handles=handles, **LEFT_LEGEND)
     for axis in axes:  # both records by one scale
         axis.set_ylim(0.0, 1.15 * deepest)
-    caption = (
+    return Drawing("envelope", "Lines in the envelope",
         f"Squared envelope of the prewhitened record, Δf = {text(found.spectrum.resolution, 3)} Hz. Dashed: kinematic "
         f"lines at the speed as found; dotted: harmonics of {found.findings[0].name}, 2×BSF. Dots: lines that stand "
-        "out."
-    )
-    return Drawing("envelope", "Lines in the envelope", caption, figure)
+        "out.", figure)  # fmt: skip
 
 
 def _record(own, other):
@@ -320,11 +280,9 @@ def _record(own, other):
     count = min(signal.values.size, int(PASSES_SHOWN / own.diagnosis.lines["BPFO"] * signal.rate) + 1)
     first = min(max(0, np.argmax(np.abs(signal.values)) - count // 2), signal.values.size - count)
     curves(lower, 1e3 * (first + np.arange(count)) / signal.rate, (signal.values[first:][:count], BLUE, None, 0.7))
-    caption = (
+    return Drawing("record", "Spectrum and excerpt of the record",
         f"Above: amplitude spectrum of the record. Below: {PASSES_SHOWN:g} passes of rolling elements over a point of "
-        "the outer ring, about the largest value."
-    )
-    return Drawing("record", "Spectrum and excerpt of the record", caption, figure)
+        "the outer ring, about the largest value.", figure)  # fmt: skip
 
 
 def _pulse(record, beside):
@@ -339,12 +297,10 @@ def _pulse(record, beside):
     axis.set_ylim(bottom=0.0)
     legend_above(axis, 2)
     also = "" if other is None else f", the other for {text(1e3 * other.length, 3)} ms"
-    caption = (
+    return Drawing("pulse", "Pulse of an impact",
         f"Power of the band above {text(PASSES_IN_BAND, 2)} {part.name} (500 Hz at least), the mean over all passes "
         f"at {part.name}, set at the highest of each; smoothed over {text(100.0 * SMOOTHING, 2)} % of a pass. "
-        f"It stands above half its height for {text(1e3 * own.length, 3)} ms{also}."
-    )
-    return Drawing("pulse", "Pulse of an impact", caption, figure)
+        f"It stands above half its height for {text(1e3 * own.length, 3)} ms{also}.", figure)  # fmt: skip
 
 
 def trend_figure(entries: list[Entry], folder: Path) -> Drawing:

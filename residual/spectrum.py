@@ -234,8 +234,8 @@ def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectr
         wanted = int(np.ceil(REVOLUTIONS_PER_SEGMENT / slowest_line / interval))
         length = wanted if n >= 2 * wanted else n
     signal = signal - signal.mean()  # as a whole, and of each segment
-    density = welch(signal, fs=1.0 / interval, window=WINDOW, nperseg=length, noverlap=length // 2, detrend="constant")
-    return Spectrum(*density, 1.0 / (length * interval), 1 + (n - length) // (length - length // 2))
+    f, psd = welch(signal, fs=1.0 / interval, window=WINDOW, nperseg=length, noverlap=length // 2, detrend="constant")
+    return Spectrum(f, psd, 1.0 / (length * interval), 1 + (n - length) // (length - length // 2))
 
 
 def find_peaks(spectrum: Spectrum, lines: dict[str, float]) -> list[Peak]:

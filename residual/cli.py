@@ -139,7 +139,6 @@ def _command(
 
 
 main = partial(run_app_main, app)
-check_residual = entry(main)
 
 if __name__ == "__main__":
-    check_residual()
+    entry(main)()

@@ -268,7 +268,7 @@ def _kinematic_rollers(path, scene, arrays):
             "leave [support], faults and tables out of the scene"
         )
     laws, first = contact_laws(scene.lagrange.law, bearing), roller_angles(bearing, operation.first_roller_angle)
-    theta = first + np.multiply.outer(arrays["time"], np.ones(first.size)) * turned(bearing, operation, 1.0).cage
+    theta = first + arrays["time"][:, None] * turned(bearing, operation, 1.0).cage
     hub = np.column_stack([arrays["inner_x"], arrays["inner_y"]])
     if not np.all(np.abs(hub) < 0.5 * bearing.roller_radius):
         raise InputError(f"{path}: --kinematic-rollers: the hub leaves the bearing, or a position is not a number")
@@ -358,7 +358,8 @@ def _resample(path, arrays):
     from scipy.interpolate import make_interp_spline
 
     time = arrays["time"]
-    steps, k, equal = np.diff(time), np.argmax(np.diff(time)), np.linspace(time[0], time[-1], time.size)
+    steps, equal = np.diff(time), np.linspace(time[0], time[-1], time.size)
+    k = np.argmax(steps)
     if steps[k] > LARGEST_GAP * np.median(steps):
         raise InputError(
             f"{path}: a gap of {steps[k]:.4g} s after sample {k}, {steps[k] / np.median(steps):.3g} intervals long; "

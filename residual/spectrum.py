@@ -18,7 +18,6 @@ from math import factorial
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import correlate1d
 
 from lagrange.kinematics import OUTER_RING, Kinematics
 
@@ -75,7 +74,9 @@ def derivative(signal, interval: float, derivative: int = 2, order: int = 6) -> 
     if n_times < order + 1:
         raise ValueError(f"{n_times} samples are too few for a stencil of order {order}: at least {order + 1}")
     motion = signal - signal.mean(axis=0)
-    result = correlate1d(motion, weights, axis=0)
+    result = np.zeros_like(motion)
+    for offset, weight in enumerate(weights):
+        result[half : n_times - half] += weight * motion[offset : offset + n_times - order]
     for i in range(half):
         last = order - i if i else END_POINTS - 1
         near_end = _weights(-i, last, derivative)

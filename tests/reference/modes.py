@@ -25,39 +25,26 @@ def disc_frequency(n: int, low: float, high: float, material: Material) -> float
     return brentq(lambda x: np.linalg.det(surface_tractions(n, 1.0, x, material, "j")), low, high, xtol=1e-12)
 
 
-def ring_frequency(n: int, inner: float, outer: float, low: float, high: float, material: Material) -> float:
-    """The root ω, rad/s, between two bounds of a ring free on both circles."""
-    return brentq(_determinant(surface_tractions, n, inner, outer, material), low, high, rtol=1e-12)
+def ring_frequencies(n: int, other: float, free: float, low: float, high: float, material: Material, held=False):
+    """All ω, rad/s, between two bounds, n waves around, of a ring free on one circle and free, or held, on the other.
 
-
-def held_ring_frequencies(n: int, held: float, free: float, high: float, material: Material) -> list[float]:
-    """All ω, rad/s, below a bound, of a ring held on one circle and free on the other, n waves around.
-
-    Found as changes of sign on a grid of high/1000: two roots closer than that would be missed.
+    Found as changes of sign on a grid of a thousandth of the upper one: two roots closer than that would be missed.
     """
-    determinant = _determinant(surface_displacements, n, held, free, material)
-    return [root for *_, root in _roots(determinant, np.linspace(0.0, high, 1001)[10:], rtol=1e-12)]
-
-
-def _roots(function, grid: np.ndarray, **error):
-    """Where a function changes its sign on a grid: bounds and roots."""
-    values = np.array([function(at) for at in grid])
-    for i in np.flatnonzero(np.sign(values[:-1]) != np.sign(values[1:])):
-        yield grid[i], grid[i + 1], brentq(function, grid[i], grid[i + 1], **error)
-
-
-def _determinant(condition, n: int, other: float, free: float, material: Material):
-    """By ω, rad/s, of an annulus with a condition on one circle, free on the other; columns are scaled to 1."""
-    speed = np.sqrt(material.lame_mu / material.density)
+    speed = sqrt(material.lame_mu / material.density)
 
     def determinant(omega):
-        x, rows = omega * free / speed, []
-        for of, r in ((condition, other / free), (surface_tractions, 1.0)):
-            rows.append(of(n, r, x, material, "jy"))
+        x, on_other = omega * free / speed, surface_displacements if held else surface_tractions
+        rows = [on_other(n, other / free, x, material, "jy"), surface_tractions(n, 1.0, x, material, "jy")]
         matrix = np.concatenate(rows)
         return np.linalg.det(matrix / np.abs(matrix).max(axis=0))
 
-    return determinant
+    return _roots(determinant, np.arange(low, high, 1e-3 * high), rtol=1e-12)
+
+
+def _roots(function, grid: np.ndarray, **error) -> list[float]:
+    """Where a function changes its sign on a grid."""
+    sign = np.sign([function(at) for at in grid])
+    return [brentq(function, *grid[i : i + 2], **error) for i in np.flatnonzero(sign[:-1] != sign[1:])]
 
 
 def surface_displacements(n, r, x, material, kinds):
@@ -171,7 +158,7 @@ def disc_modes(n: int, material: Material) -> tuple[np.ndarray, np.ndarray]:
         return tractions[0, 0] if n == 0 else np.linalg.det(tractions)  # at n = 0 torsion stands apart
 
     grid = np.arange(max(0.3, 0.5 * n if n > 2 else 0.0), LARGEST_ROOT, ROOT_SPACING)
-    roots = np.array([root for *_, root in _roots(condition, grid, xtol=1e-12)])
+    roots = np.array(_roots(condition, grid, xtol=1e-12))
     disc, speed, unit = Section(1.0, 0.0, material), sqrt(material.lame_mu / material.density), material.lame_mu / pi
     near = [[(1.0 - share**2) * receptance(disc, n, share * root * speed, RADIAL) for share in (1.0 - 1e-5, 1.0 + 1e-5)]
             for root in roots]  # fmt: skip
@@ -283,5 +270,5 @@ def sticking_modes(bearing: Bearing, force: float, low: float = 20e3, high: floa
 
     grid = np.arange(low, high, 500.0)
     usual = np.median(np.abs([determinant(frequency) for frequency in grid]))
-    roots = [root for *_, root in _roots(determinant, grid, rtol=1e-10)]
+    roots = _roots(determinant, grid, rtol=1e-10)
     return [root for root in roots if abs(determinant(root)) < 1e-3 * usual]  # the rest are poles

@@ -11,7 +11,7 @@ from scipy.sparse.linalg import eigsh
 from fem.elastic.bodies import DiscBody, RingBody
 from lagrange import Material
 from tests.reference.kit import LENGTH, STEEL, disc, ring
-from tests.reference.modes import disc_frequency, ring_frequency
+from tests.reference.modes import disc_frequency, ring_frequencies
 from tests.verification import Case, Check
 
 # ω R/c_T of the free disc at ν = 0.3 lies within 0.02 of these; pairs but for n = 0
@@ -72,8 +72,8 @@ def ring_modes():
     body = ring(0.028, 0.033, 640, 16, True)
     for n, near in ((2, 3546.0), (3, 9815.0)):
         omega = 2.0 * pi * near
-        exact = ring_frequency(n, 0.028, 0.033, 0.98 * omega, 1.02 * omega, STEEL) / (2.0 * pi)
-        yield Check(f"frequency, n = {n}", "Hz", ring_mode(body, n), exact, 0.002, GRAFF)
+        (exact,) = ring_frequencies(n, 0.028, 0.033, 0.98 * omega, 1.02 * omega, STEEL)
+        yield Check(f"frequency, n = {n}", "Hz", ring_mode(body, n), exact / (2.0 * pi), 0.002, GRAFF)
 
 
 def code_aster_ring():
@@ -92,8 +92,8 @@ def code_aster_ring():
         bending = material.youngs_modulus * thickness**2 / (12.0 * material.density * radius**4)
         thin = n * (n * n - 1.0) / sqrt(n * n + 1.0) * sqrt(bending) / (2.0 * pi)
         omega, found = 2.0 * pi * thin, ring_mode(body, n)
-        exact = ring_frequency(n, inner, outer, 0.95 * omega, 1.0 * omega, flat) / (2.0 * pi)
-        yield Check(f"frequency, n = {n}", "Hz", found, exact, 0.002, GRAFF)
+        (exact,) = ring_frequencies(n, inner, outer, 0.95 * omega, 1.0 * omega, flat)
+        yield Check(f"frequency, n = {n}", "Hz", found, exact / (2.0 * pi), 0.002, GRAFF)
         yield Check(f"frequency, n = {n}, thin ring", "Hz", found, thin, thin_tolerance, THIN)
 
 

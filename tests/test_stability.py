@@ -4,6 +4,7 @@ import os
 import re
 import time
 from dataclasses import replace
+from functools import partial
 from itertools import count
 from pathlib import Path
 
@@ -22,7 +23,7 @@ from lagrange.version import VERSION
 from tests.reference.kit import unchecked_copy, whole_run
 from tests.stability import campaign, forked
 from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Lines, Row, ended, judged
-from tests.stability.machine import RANGES, machine_scene, random_scene
+from tests.stability.machine import RANGES, drawn, machine_scene, random_scene
 
 SEED = 1
 CHEAP = 4e6  # degrees of freedom times steps of 5 ms
@@ -78,6 +79,8 @@ def test_a_campaign_gives_a_command_so_much_processor_time_whatever_else_the_mac
     """One that waits, as on a busy machine, comes to its end; one that works on beyond its limit does not."""
     assert forked.run(time.sleep, 1.5, limit=1.0).code == 0
     assert forked.run(endless, limit=1.0).code is None
+    unsound = partial(drawn, SEED, True, 1)
+    assert [row.ending for row in campaign.campaign(unsound, [11], Lines(None))] == [REFUSED]
     assert forked.run(forked.run_fem, ["--version"], tmp_path, limit=5.0)[:2] == (0, f"{VERSION}\n")
 
 

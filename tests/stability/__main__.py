@@ -17,20 +17,14 @@ import time
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import tomli_w
 from cyclopts import App
 
 from tests.stability.campaign import Lines, campaign, ended, report
-from tests.stability.machine import DURATION_MS, machine_scene, random_scene
+from tests.stability.machine import drawn
 
 app = App(help=__doc__, help_format="markdown")
-
-
-def drawn(seed: int, alone: bool, sets: int, number: int, folder: Path) -> dict[str, Any]:
-    """Tables of a scene."""
-    return random_scene(seed, number, DURATION_MS) if alone else machine_scene(seed, number, folder, sets)
 
 
 @app.default

@@ -176,6 +176,11 @@ def machine_scene(seed: int, number: int, folder: Path, sets: int) -> Tables:
     return tables
 
 
+def drawn(seed: int, alone: bool, sets: int, number: int, folder: Path) -> Tables:
+    """Tables of a scene, as a campaign asks for them; `alone`: a bearing without what stands around it."""
+    return random_scene(seed, number, DURATION_MS) if alone else machine_scene(seed, number, folder, sets)
+
+
 def _around(tables: Tables, kinds: Draw, values: Draw) -> None:
     """What stands around a bearing, and its surfaces, speed and load."""
     model, bearing, operation = tables["model"], tables["bearing"], tables["operation"]

@@ -229,8 +229,6 @@ def test_a_scene_that_can_not_be_played_is_refused_by_name(setting, words, capsy
     assert live_main(["--bearing", "6205"]) == 2 and 'bearing.type = "ball"' in capsys.readouterr().err
 
 
-# How many frames a second a page gets, on a clock that only work and waiting move
-
 WORK = 0.56  # s of steps for a second in real time, as measured for the paper's bearing
 MAKING, DRAWING = 0.005, 0.015  # s of a frame, here and in the browser with the way there and back
 PASSED, INTERVAL = 4.0, 1e-5  # s
@@ -295,9 +293,6 @@ def test_a_page_gets_20_frames_a_second_at_the_pace_asked_for_or_slower(work, sl
         assert len(frames) >= 17.0 * PASSED and simulated < 0.2 * PASSED
     else:
         assert len(frames) >= 20.0 * PASSED and simulated * slowness == pytest.approx(PASSED, rel=0.03)
-
-
-# The server
 
 
 class Served:
@@ -471,9 +466,6 @@ def test_ctrl_c_ends_it_with_viewers_watching():
             process.send_signal(signal.SIGINT)
             _, error = process.communicate(timeout=GIVE_UP)
     assert process.returncode == 130 and error == "interrupted\n" and len(served.path.strip("/")) > 20
-
-
-# The live page as a student meets it, in a real browser, on a desk and on a phone
 
 
 @pytest.fixture(scope="module")

@@ -211,16 +211,13 @@ def test_a_study_ended_at_any_moment_goes_on_to_the_same_dataset(here, count, mo
 
 def test_a_study_of_ratings_runs_nothing(here, monkeypatch):
     monkeypatch.setattr(solving, "simulate", None)
-    kept = '[keep]\nquantities = ["rating_life", "rating_peak_pressure", "rating_moment"]\n'
-    assert run('[parameters]\n"operation.radial_load_N" = [1000.0, 2000.0]\n' + kept) == 0
+    names = ["rating_life", "rating_peak_pressure", "rating_moment"]
+    assert run(f'[parameters]\n"operation.radial_load_N" = [1000.0, 2000.0]\n[keep]\nquantities = {names}\n') == 0
     with h5py.File(KEPT / "study.nc") as file:
-        life, pressure, moment = (file[f"rating_{name}"][...] for name in ("life", "peak_pressure", "moment"))
+        life, pressure, moment = (file[name][...] for name in names)
     answers = rating(read_scene().varied({"operation.radial_load_N": 1000.0}))
     assert life[0] == 1e6 * answers["L10r_Mrev"] and pressure[0] == 1e6 * answers["peak_pressure_MPa"] < pressure[1]
     assert np.isnan(moment).all()  # of a plane section
-
-
-# The points of each method, and their scenes
 
 
 def test_zip_takes_values_side_by_side_and_a_list_those_of_a_table(here):
@@ -318,9 +315,6 @@ def test_the_base_may_lack_a_key_that_every_point_gives(here):
         points_of('scene = "base.toml"\n' + LIST)
 
 
-# Folders of studies that others have made: `run-study --collect` refuses them, or leaves points out, and soon
-
-
 @pytest.fixture(scope="module")
 def solved_once(tmp_path_factory):
     folder = tmp_path_factory.mktemp("study")
@@ -365,9 +359,8 @@ FACTS = {  # what is put into study.json or done to it, and what must be told
 }
 
 
-@pytest.mark.parametrize("kind", FACTS)
-def test_a_study_that_can_not_be_is_refused(kind, study_folder, capsys):
-    change, words = FACTS[kind]
+@pytest.mark.parametrize(("change", "words"), list(FACTS.values()), ids=FACTS)
+def test_a_study_that_can_not_be_is_refused(change, words, study_folder, capsys):
     about = study_folder / "study.json"
     if callable(change):
         change(about)
@@ -382,10 +375,10 @@ POINTS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("kind", POINTS)
-def test_a_point_that_can_not_be_is_left_out(kind, study_folder, capsys):
+@pytest.mark.parametrize("change", list(POINTS.values()), ids=POINTS)
+def test_a_point_that_can_not_be_is_left_out(change, study_folder, capsys):
     for path in (study_folder / "points").iterdir():
-        POINTS[kind](path)
+        change(path)
     assert study_main(["--collect", str(study_folder)]) == 1
     out, error = capsys.readouterr()
     assert "2 points: 2 missing" in out and "Traceback" not in error and "Warning" not in error
@@ -403,8 +396,6 @@ def test_a_point_is_known_by_what_is_sealed_and_not_by_its_name(solved_once, stu
         seal(first, facts=found["facts"], inner_ay=found["inner_ay"][:7])
     refused(study_folder, "its signals have another length than those of other points", capsys)
 
-
-# Studies that can't be run: refused with exit code 2 before anything is solved, the key named
 
 GOOD = '[sampling]\nmethod = "grid"' + TWO_SPEEDS
 SPEED, RANGE, MANY = '"operation.speed_rpm" = [1500, 3000]', "[1500, 3000]", "{ from = 1, to = 2, count = 9999 }"
@@ -484,9 +475,8 @@ BAD = {  # what is wrong: the study and what must be told
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("kind", BAD)
-def test_is_refused_by_its_key(kind, here, capsys):
-    text, words = BAD[kind]
+@pytest.mark.parametrize(("text", "words"), list(BAD.values()), ids=BAD)
+def test_is_refused_by_its_key(text, words, here, capsys):
     assert run(text) == 2
     error = capsys.readouterr().err
     assert all(each in error for each in words.split(" & ")) and "Traceback" not in error, error
@@ -494,26 +484,21 @@ def test_is_refused_by_its_key(kind, here, capsys):
 
 
 @pytest.mark.parametrize(("words", "told"), [
-    ([], "name a study file"),
-    (["study.toml", "--workers", "0"], "--workers 0"),
-    (["study.toml", "--workers", "2", "--scheduler", "tcp://x:1"], "its own workers"),
-    (["study.toml", "--export", "shards"], "training sets are no longer exported; study.nc holds"),
-    (["--collect", "nowhere"], "nowhere: no study"),
-    (["--collect", ".", "--resume"], "--collect solves nothing"),
-    (["study.toml", "--output", "study.toml"], "is a file, not a folder"),
-    (["study.toml", "--output", "other"], "other: not empty and no study"),
-    (["none.toml"], "none.toml: can't be read"),
+    ("", "name a study file"), ("study.toml --workers 0", "--workers 0"),
+    ("study.toml --workers 2 --scheduler tcp://x:1", "its own workers"),
+    ("study.toml --export shards", "training sets are no longer exported; study.nc holds"),
+    ("--collect nowhere", "nowhere: no study"), ("--collect . --resume", "--collect solves nothing"),
+    ("study.toml --output study.toml", "is a file, not a folder"),
+    ("study.toml --output other", "other: not empty and no study"), ("none.toml", "none.toml: can't be read"),
 ])  # fmt: skip
 def test_unusable_options_are_refused(words, told, here, capsys):
     Path("study.toml").write_text(GOOD, encoding="utf-8")
     Path("other").mkdir()
     Path("other/mine.txt").write_text("mine", encoding="utf-8")
-    assert study_main([*words, "--quiet"]) == 2
+    assert study_main([*words.split(), "--quiet"]) == 2
     assert told in capsys.readouterr().err
     assert Path("other/mine.txt").read_text(encoding="utf-8") == "mine"
 
-
-# The page of a study and the numbers behind it, on points whose results are made up
 
 MADE_UP = """
 [sampling]
@@ -557,8 +542,7 @@ def shares(table):
     return {column.name: share for column, share in table.strongest(table.quantities[0])}
 
 
-def cells(page):
-    """Rows of all tables, each a list of texts."""
+def cells(page):  # rows of all tables, each a list of texts
     return [re.findall(r"<t[dh]>(.*?)</t[dh]>", row, re.S) for row in re.findall(r"<tr>(.*?)</tr>", page, re.S)]
 
 
@@ -582,16 +566,11 @@ def test_effects_of_a_sum_share_its_variance_but_for_what_chance_explains(made_u
 
 
 def test_sobol_indices_are_those_of_a_function_whose_variance_is_known(made_up):
-    """3 x + 2 y + z + 3 x y, each even in -1 … 1: the terms have variances 3, 4/3, 1/3 and 1."""
-
-    def known(speed, load, length):
-        x, y, z = speed, 2.0 * load - 1.0, length - 10.0
-        return 3.0 * x + 2.0 * y + z + 3.0 * x * y
-
-    table, _ = made_up(known, **OF_DRAWN)
-    assert len(table.points) == 5 * 64
+    """3 x + 2 y + z + 3 x y, each even over a width of 2: the terms have variances 3, 4/3, 1/3 and 1."""
+    table, _ = made_up(lambda x, y, z: 3.0 * x + 2.0 * (2.0 * y - 1.0) + z + 3.0 * x * (2.0 * y - 1.0), **OF_DRAWN)
     first, total = table.sobol_indices(table.quantities[0])
     whole = 3.0 + 4.0 / 3.0 + 1.0 / 3.0 + 1.0
+    assert len(table.points) == 5 * 64
     assert first == pytest.approx(np.array([3.0, 4.0 / 3.0, 1.0 / 3.0]) / whole, abs=64**-0.5)
     assert total == pytest.approx(np.array([4.0, 7.0 / 3.0, 1.0 / 3.0]) / whole, abs=64**-0.5)
     assert table.sobol_indices(table.quantities[1]) is None  # it never changes
@@ -627,9 +606,6 @@ def test_lines_of_a_grid_go_through_every_point(made_up, speed, length, monkeypa
     figures.study_figures(table, [])
     drawn = np.concatenate([line.get_ydata() for axis in seen[0].axes for line in axis.lines])
     assert len(seen) == 1 and sorted(drawn) == sorted(table.quantities[0].values)
-
-
-# The studies that the docs show: their files are studies, their programs run on a smaller one
 
 
 @pytest.fixture
@@ -674,8 +650,6 @@ def test_the_programs_of_the_examples_run(script, capsys):
     script("spalls.py")
     assert "of 8 right" in capsys.readouterr().out
 
-
-# Several processes of this machine, and a real scheduler
 
 TWO = BASE + '[parameters]\n"operation.speed_rpm" = [1500.0, 3000.0]\n[keep]\nsignals = ["inner_ay"]\n'
 DEED = """

@@ -49,9 +49,8 @@ class View:
     middle: tuple[float, float]
     tall: float  # from the lower to the upper edge, in the plane's lengths
 
-    @property
-    def pixel(self) -> float:  # of a page 1600 wide, in the plane's lengths
-        return self.tall * ASPECT / (REFERENCE_WIDTH * (self.top - self.bottom))
+    # of a page 1600 wide, in the plane's lengths
+    pixel = property(lambda self: self.tall * ASPECT / (REFERENCE_WIDTH * (self.top - self.bottom)))
 
 
 class Panel:

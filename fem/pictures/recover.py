@@ -122,9 +122,10 @@ class StoredRun(RunFile):
         except RuntimeError as error:
             raise UsageError(str(error)) from None
 
-    @cached_property
-    def orbit(self) -> np.ndarray:  # the hub's positions at all samples, (n_times, 2), m
-        return np.column_stack([self.from_housing("inner_x"), self.from_housing("inner_y")])
+    # the hub's positions at all samples, (n_times, 2), m; spin summed up by the trapezoidal rule, (n_times, n_rollers)
+    orbit = cached_property(lambda self: np.column_stack([self.from_housing("inner_x"), self.from_housing("inner_y")]))
+    _turns = cached_property(lambda self: cumulative_trapezoid(self["roller_spin"], self.times, axis=0, initial=0.0))
+    _least_force = cached_property(lambda self: ROUND_OFF * max(float(self[name].max()) for name in FORCES))
 
     @cached_property
     def load_zone(self) -> tuple[float, float] | None:
@@ -144,14 +145,6 @@ class StoredRun(RunFile):
         round-off of an open contact."""
         forces = np.stack([self[name][samples] for name in FORCES], axis=1)
         return np.where(forces > self._least_force, forces, 0.0)
-
-    @cached_property
-    def _least_force(self) -> float:
-        return ROUND_OFF * max(float(self[name].max()) for name in FORCES)
-
-    @cached_property
-    def _turns(self) -> np.ndarray:  # spin summed up by the trapezoidal rule, (n_times, n_rollers), rad
-        return cumulative_trapezoid(self["roller_spin"], self.times, axis=0, initial=0.0)
 
     def nearest(self, time: float | None = None) -> int:
         """The sample nearest to a time, s; None: the last one. UsageError: the time lies outside the run."""

@@ -127,9 +127,7 @@ class BodyLoad(NamedTuple):
     spacing: float | None  # m, a quarter of the patch that the mesh carries the force as; None: the true pressure
     is_rigid: bool  # the body has no stress
 
-    @property
-    def is_resolved(self) -> bool:  # whether the mesh carries the true pressure: there is nothing to exchange
-        return self.spacing is None
+    is_resolved = property(lambda self: self.spacing is None)  # the mesh has the true pressure: nothing to exchange
 
     def share(self, points: np.ndarray) -> np.ndarray:
         """How far the exchange is made at points (n, 2) from the body's centre: 1 at the contact, 0 far away.

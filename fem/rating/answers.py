@@ -254,9 +254,8 @@ class Case:
 
     torques = cached_property(lambda self: {name: self.torque(law, self.rpm) for name, law in life.FRICTION.items()})
 
-    @cached_property
-    def losses(self) -> dict[str, float]:  # W
-        return {name: life.power_loss(torque.total, self.rpm) for name, torque in self.torques.items()}
+    # W
+    losses = property(lambda self: {name: life.power_loss(of.total, self.rpm) for name, of in self.torques.items()})
 
     def temperature_rises(self) -> dict[str, float]:
         """K."""
@@ -461,9 +460,7 @@ class Rating(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(self.answers)
 
-    @property
-    def name(self) -> str:
-        return self.case.options.name or self.scene.name
+    name = property(lambda self: self.case.options.name or self.scene.name)
 
     def to_json(self) -> dict[str, Any]:
         """Values, and by their names the reasons of those that are null, and the sources."""

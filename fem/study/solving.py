@@ -110,16 +110,13 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
         )
     if not keep.signals:
         return
-    known = readable(scene)
+    known, interval = readable(scene), numerics.output_interval_us
     for name in keep.signals:
         if name not in known or name == "time":
             raise UsageError(f"keep.signals: {name!r} is no signal of this point; it has {', '.join(known)}")
-    interval = numerics.output_interval_us
     one_of = keep.one_of(1e-6 * interval)
-    sizes: dict[str, object] = {
-        "numerics.duration_ms": numerics.duration_ms,
-        "numerics.output_interval_us": round(one_of * interval, 6),
-    }
+    sizes: dict[str, object] = {"numerics.duration_ms": numerics.duration_ms}
+    sizes["numerics.output_interval_us"] = round(one_of * interval, 6)
     if any(known[name].dimensions == PER_ROLLER for name in keep.signals):
         sizes["bearing.rollers"] = scene.bearing.present
     for key, value in sizes.items():
@@ -155,9 +152,8 @@ class Wanted(NamedTuple):
     seconds: float  # the most that a point may take
     runs: bool = False  # result files too
 
-    @property
-    def needs_no_run(self) -> bool:  # whether all that is kept are ratings of the scene
-        return set(self.keep.quantities) <= set(OF_RATING) and not self.keep.signals and not self.runs
+    # whether all that is kept are ratings of the scene
+    needs_no_run = property(lambda s: set(s.keep.quantities) <= set(OF_RATING) and not s.keep.signals and not s.runs)
 
 
 class Solved(NamedTuple):

@@ -21,16 +21,14 @@ from tests.reference.kit import assert_refused, refusal
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_an_example_is_written_can_be_read_and_is_not_written_over(name, here, capsys):
     path = here / f"{name}.toml"
-    assert run_main(["--example", name]) == 0
-    assert f"{name}.toml" in capsys.readouterr().out
+    assert run_main(["--example", name]) == 0 and f"{name}.toml" in capsys.readouterr().out
     scene, text = read_scene(path), path.read_text(encoding="utf-8")
     assert scene.name == (name if name != "all" else "paper")
     assert name not in ("paper", "all") or scene == Scene()
     assert name != "faults" or [kind for kind in SURFACES if getattr(scene, kind)] == list(SURFACES[:3])
     assert text.startswith("# ") and max(map(len, text.splitlines())) <= 120
     path.write_text("mine", encoding="utf-8")
-    assert run_main(["--example", name]) == 2
-    assert path.read_text(encoding="utf-8") == "mine"
+    assert run_main(["--example", name]) == 2 and path.read_text(encoding="utf-8") == "mine"
     assert run_main(["--example", name, "--output", "sub/other.toml"]) == 0
     assert read_scene("sub/other.toml") == scene
 
@@ -47,8 +45,7 @@ def test_every_key_and_table_of_the_scene_is_described_with_unit_and_limits(here
     assert [key.name for key in keys.values() if not re.search(rf"^(# )?{key.name} =", text, re.M)] == []
     speed, size = keys["operation.speed_rpm"], keys["numerics.mesh_size_mm"]
     assert (speed.unit, speed.default, speed.limits) == ("rpm", 4500.0, "from -200 000 to 200 000")
-    assert (size.unit, size.limits) == ("mm", "above 0 to 100")
-    assert keys["support.damping_N_s_m"].unit == "N s/m"
+    assert (size.unit, size.limits) == ("mm", "above 0 to 100") and keys["support.damping_N_s_m"].unit == "N s/m"
     assert keys["numerics.start"].limits == '"equilibrium", "rest"'
     assert keys["spall.width_mm"].default == 1.0 and keys["profile.file"].default is None
 
@@ -76,7 +73,7 @@ def test_no_key_takes_a_value_beyond_its_limits_or_of_another_kind():
                 assert_refused(given, f"scene.toml: {place} = ", ": must be ")
 
 
-def test_keys_given_win_over_the_catalogues(here, capsys):
+def test_keys_given_win_over_the_catalogues_and_a_clearance_gives_the_outer_raceway(here, capsys):
     scene = read_scene(None, ("bearing.designation=NU206", "bearing.rollers=12", "bearing.clearance_um=10", "name=own"))
     assert (scene.bearing.rollers, scene.name, scene.operation.speed_rpm) == (12, "own", 4500.0)
     assert scene.bearing.outer_raceway_diameter_mm == pytest.approx(55.51)
@@ -86,9 +83,6 @@ def test_keys_given_win_over_the_catalogues(here, capsys):
     settings = ["--set", "bearing.clearance_um=20", "--set", "operation.inner_ring_and_shaft_kg=1"]
     assert run_main(["paper.toml", "--bearing", "NU206", *settings, "--model", "lagrange", "--dry-run"]) == 0
     assert "20.000 µm" in capsys.readouterr().out
-
-
-def test_a_clearance_is_another_way_to_give_the_outer_raceway():
     for given, diameter in ((25.0, 56.025), (0, 56.0), (-10.0, 55.99)):
         assert parse_scene({"bearing": {"clearance_um": given}}, "s").bearing.outer_raceway_diameter_mm == diameter
     ball = parse_scene({"bearing": {"type": "ball", "clearance_um": 12.0}}, "s")
@@ -113,8 +107,7 @@ def test_bearings_that_contradict_themselves_and_keys_of_another_table_are_refus
 def test_the_schema_knows_every_key_and_no_other(capsys):
     assert run_main(["--schema"]) == 0
     schema = json.loads(capsys.readouterr().out)
-    assert schema["additionalProperties"] is False
-    assert set(schema["properties"]) == set(Scene.model_fields)
+    assert schema["additionalProperties"] is False and set(schema["properties"]) == set(Scene.model_fields)
     speed = schema["$defs"]["OperationTable"]["properties"]["speed_rpm"]
     assert (speed["type"], speed["default"], speed["maximum"]) == ("number", 4500.0, 200_000.0)
     assert schema["properties"]["model"]["enum"] == list(get_args(Scene.model_fields["model"].annotation))
@@ -131,16 +124,13 @@ def test_an_example_lasts_long_enough_to_part_its_rings_lines_from_its_rollers(h
     assert 1e-3 * scene.numerics.duration_ms * gap >= 2.0
 
 
-def test_defaults_are_the_papers_bearing_in_si():
+def test_defaults_are_the_papers_bearing_round_trips_keep_every_value_and_an_override_leaves_other_bodies(tmp_path):
     bearing, operation = Scene().ideal_bearing(), Scene().ideal_operation()
     radii = bearing.roller_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius
     assert bearing.n_rollers == 13 and radii == pytest.approx((0.005, 0.018, 0.028))
     assert operation.speed == pytest.approx(2 * math.pi * 75.0)
     assert operation.first_roller_angle == pytest.approx(-math.pi / 2)  # on the load line
     assert bearing.roller.youngs_modulus == pytest.approx(210e9)
-
-
-def test_round_trip_keeps_every_value_and_an_override_of_one_body_leaves_the_others(tmp_path):
     moduli, path = {"youngs_modulus_GPa": 200.0, "roller": {"youngs_modulus_GPa": 310.0}}, tmp_path / "scene.toml"
     sizes = {"rollers": 11, "outer_raceway_diameter_mm": 56.03}
     other = {"name": "other", "bearing": sizes, "material": moduli, "numerics": {"start": "rest"}}

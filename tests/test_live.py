@@ -84,8 +84,7 @@ def test_spalls_and_a_cage_that_the_scene_does_not_give_change_apart():
     scene = scene_of("bearing.designation=NU206")
     own = scene_of("bearing.designation=NU206", "cage.pocket_clearance_mm=0.2")
     assert scene.cage is not None and changed(scene, values_of(scene)).cage == scene.cage
-    assert changed(scene, values_of(scene) | still).cage is None
-    assert changed(own, values_of(own)).cage == own.cage
+    assert changed(scene, values_of(scene) | still).cage is None and changed(own, values_of(own)).cage == own.cage
 
 
 @pytest.mark.slow  # compiles a loop
@@ -152,10 +151,8 @@ def test_what_is_played_is_the_solvers_run_and_other_values_begin_one_with_rolle
 
 
 def test_frames_show_forces_that_carry_the_load_and_a_cage_where_its_pockets_are(player):
-    """Over half a passage of the rollers, whose places count from the load on."""
-    operation = player.scene.ideal_operation()
-    carried = []
-    for _ in range(20):
+    operation, carried = player.scene.ideal_operation(), []
+    for _ in range(20):  # over half a passage of the rollers
         player.advance(13)
         frame = player.frame()
         assert min(frame["angle"]) >= -np.pi and max(frame["angle"]) <= np.pi
@@ -173,8 +170,7 @@ def test_frames_show_forces_that_carry_the_load_and_a_cage_where_its_pockets_are
     assert Player(scene_of()).frame()["cage"] is None  # the paper's bearing has none
 
 
-def recorded(*parts, name="inner_ay"):
-    """A record of samples of one column after others, the rest 0."""
+def recorded(*parts, name="inner_ay"):  # samples of one column, the rest 0
     record = Record(1e-5)
     for values in parts:
         zeros = dict.fromkeys(("inner_x", "inner_y", "inner_ax", "inner_ay"), np.zeros(len(values)))
@@ -183,7 +179,9 @@ def recorded(*parts, name="inner_ay"):
     return record
 
 
-def test_a_spectrum_shows_the_amplitude_of_a_line_at_its_frequency_and_an_orbit_is_given_once_and_not_too_finely():
+def test_spectra_show_amplitudes_at_their_lines_envelopes_depths_of_swells_and_orbits_are_given_once_not_too_finely():
+    """Of a carrier of 5 m/s² that swells by 0.4 at BPFO the envelope has a line of 2 m/s² there, and none elsewhere.
+    Of five small rollers 2×BSF lies far above BPFI."""
     time = 1e-5 * np.arange(10_000)
     record = recorded(*np.array_split(3.0 + 2.0 * np.sin(2.0 * np.pi * 380.0 * time), 7))
     frequency, (x, y) = record.spectrum()
@@ -195,13 +193,6 @@ def test_a_spectrum_shows_the_amplitude_of_a_line_at_its_frequency_and_an_orbit_
     x, _ = record.orbit()
     assert 0.5 * MOST_PLACES < x.size <= MOST_PLACES and x[0] == 0.0 and x[-1] > 1690.0
     assert record.orbit().shape == (2, 0)
-
-
-def test_envelopes_show_the_depth_of_a_swell_at_its_line_and_all_lines_of_a_bearing():
-    """Of a carrier of 5 m/s² that swells by 0.4 at BPFO the envelope has a line of 2 m/s² there, and none elsewhere.
-
-    Of five small rollers 2×BSF lies far above BPFI.
-    """
     time, lines = 1e-5 * np.arange(20_000), {"BPFO": 238.0, "BPFI": 350.0, "2×BSF": 215.0}
     carrier, swell = np.cos(2.0 * np.pi * 8e3 * time), 1.0 + 0.4 * np.cos(2.0 * np.pi * 235.0 * time)  # slips by 1.3 %
     assert recorded(carrier[:3000]).envelope(lines)[1].size == 0  # 7 passes
@@ -218,15 +209,14 @@ def test_envelopes_show_the_depth_of_a_swell_at_its_line_and_all_lines_of_a_bear
     assert envelope["bin"] * len(envelope["amplitude"]) > lines["2×BSF"]
 
 
-@pytest.mark.parametrize(("setting", "words"), [
-    ("bearing.type=ball", 'bearing.type = "ball"'), ("operation.speed_rpm=fast", "operation.speed_rpm"),
-    ("output.fields_every_ms=1", "has no mesh and no fields"),
+@pytest.mark.parametrize(("words", "told"), [
+    ("--set bearing.type=ball", 'bearing.type = "ball"'), ("--set operation.speed_rpm=fast", "operation.speed_rpm"),
+    ("--set output.fields_every_ms=1", "no mesh and no fields"), ("--bearing 6205", 'bearing.type = "ball"'),
 ])  # fmt: skip
-def test_a_scene_that_can_not_be_played_is_refused_by_name(setting, words, capsys):
-    assert live_main(["--set", setting]) == 2
+def test_a_scene_that_can_not_be_played_is_refused_by_name(words, told, capsys):
+    assert live_main(words.split()) == 2
     error = capsys.readouterr().err
-    assert error.startswith("error: ") and words in error
-    assert live_main(["--bearing", "6205"]) == 2 and 'bearing.type = "ball"' in capsys.readouterr().err
+    assert error.startswith("error: ") and told in error
 
 
 WORK = 0.56  # s of steps for a second in real time, as measured for the paper's bearing
@@ -323,8 +313,7 @@ def live():
         assert not thread.is_alive()
 
 
-def told(viewer, kind):
-    """The next message of a kind."""
+def told(viewer, kind):  # the next message of a kind
     while True:
         message = json.loads(viewer.recv(timeout=GIVE_UP))
         if kind in message:
@@ -353,19 +342,15 @@ def answer(live, method="GET", path=None, body=None, **headers):
         return response.status, response.headers, response.read().decode()
 
 
-def test_the_page_is_whole_and_may_load_nothing(live):
+def test_the_page_is_whole_may_load_nothing_and_is_forbidden_without_token_or_by_another_name_method_or_origin(live):
     status, headers, text = answer(live)
     assert status == 200 and headers["Content-Type"] == "text/html; charset=utf-8"
     policy = headers["Content-Security-Policy"]
     assert policy.startswith("default-src 'none'; ") and "unsafe" not in policy and "frame-ancestors 'none'" in policy
     assert headers["Cache-Control"] == "no-store" and headers["Referrer-Policy"] == "no-referrer"
-    assert "Access-Control-Allow-Origin" not in headers
-    assert "uPlot" in text and live.path.strip("/") not in text
+    assert "Access-Control-Allow-Origin" not in headers and "uPlot" in text and live.path.strip("/") not in text
     assert answer(live, Host=f"localhost:{live.port}")[0] == 200  # this machine's other name
-
-
-def test_without_the_token_or_by_another_name_method_or_origin_everything_is_forbidden(live):
-    """Of a site whose name was made to resolve to this machine, too."""
+    # Of a site whose name was made to resolve to this machine, too.
     own = live.path[:-1]
     for path in ("/", "/live", "/wrong/", "/wrong/live", "//", own, f"{own}/?a", f"{own}x/", f"{own}/../", f"/x{own}/",
                  f"{own}/favicon.ico"):  # fmt: skip
@@ -380,17 +365,14 @@ def test_without_the_token_or_by_another_name_method_or_origin_everything_is_for
         with pytest.raises(InvalidStatus) as refused:
             live.connected(origin, path)
         assert refused.value.response.status_code == 403
-
-
-def test_what_has_a_body_or_is_no_request_gets_no_page_and_it_listens_on_one_loopback_address_alone(live):
-    """127.0.0.2 is this machine as well: who listens everywhere answers there."""
+    # what has a body or is no request
     with pytest.raises((http.client.BadStatusLine, ConnectionError)):
         answer(live, "POST", body="speed=1")
     with socket.create_connection(("127.0.0.1", live.port), timeout=GIVE_UP) as door:
         door.sendall(b"\x16\x03\x01\x02\x00\r\n\r\n")
         assert b"200" not in door.recv(1000)
     assert answer(live)[0] == 200
-    with pytest.raises(OSError):
+    with pytest.raises(OSError):  # 127.0.0.2 is this machine as well: who listens everywhere answers there
         socket.create_connection(("127.0.0.2", live.port), timeout=GIVE_UP)
 
 
@@ -421,13 +403,11 @@ def test_what_one_viewer_changes_all_see_and_what_is_refused_changes_nothing(liv
         ask(other, pace={"slowness": 200.0, "playing": False})
         assert told(one, "pace") == {"slowness": 200.0, "playing": False}
     with live.connected() as late:  # finds what is played, and where it stands
-        assert told(late, "bearing")["values"]["radial_load_N"] == 700.0
-        assert told(late, "pace")["playing"] is False
+        assert told(late, "bearing")["values"]["radial_load_N"] == 700.0 and told(late, "pace")["playing"] is False
         assert sum(told(late, "frame")["outer"]) > 700.0
 
 
-def test_a_paused_run_goes_on_by_steps_and_stands_while_nobody_asks(live):
-    """A step is a twentieth of a second of the page: 1 ms at 1/50."""
+def test_a_paused_run_goes_on_by_steps_of_a_twentieth_of_a_second_and_stands_while_nobody_asks(live):
     with live.connected() as viewer:
         ask(viewer, pace={"slowness": 50.0, "playing": False}, values=told(viewer, "bearing")["values"], frame=True)
         told(viewer, "bearing")  # of the new run
@@ -451,8 +431,7 @@ def command_served(*arguments):
             process.terminate()
 
 
-def test_ctrl_c_ends_it_with_viewers_watching():
-    """One of them answers nothing."""
+def test_ctrl_c_ends_it_with_a_viewer_watching_who_answers_nothing():
     with command_served() as (process, address):
         served = Served(address)
         with socket.create_connection(("127.0.0.1", served.port), timeout=GIVE_UP) as viewer:
@@ -520,10 +499,13 @@ def test_all_is_drawn_and_read_and_nothing_comes_from_elsewhere(page, address):
     assert page.locator("#factor").inner_text().startswith("1/")
     assert page.locator("#loaded").inner_text().endswith("of 13")
     assert page.locator("#cautions").is_hidden() and page.locator("#refused").is_hidden()
+    ticks = "[[0, 2e-4, 4e-4], [-2.5, 0, 2.5], [0, 500, 1000]].map(v => charts.plain(null, v, 0, 0, v[1] - v[0]))"
+    shown = page.evaluate(ticks)  # those of an envelope of thousandths of g were 0, 0, 0
+    assert shown == [["0.0000", "0.0002", "0.0004"], ["−2.5", "0.0", "2.5"], ["0", "500", "1000"]]
 
 
 @on_a_desk
-def test_sliders_and_boxes_change_the_bearing(page):
+def test_sliders_and_boxes_change_the_bearing_refusals_are_explained_and_shocks_of_a_spall_warned_of(page):
     page.locator("#speed_rpm").fill("3000")
     wait_for_value(page, "speed_rpm", 3000)
     assert page.locator("#speed_rpm-typed").input_value() == "3000"
@@ -536,10 +518,6 @@ def test_sliders_and_boxes_change_the_bearing(page):
     page.get_by_role("button", name="Reset").click()
     wait_for_value(page, "speed_rpm", 4500)
     assert page.evaluate("window.live.bearing().values.clearance_um") == 0
-
-
-@on_a_desk
-def test_a_value_that_is_refused_is_explained_and_shocks_of_a_spall_are_warned_of(page):
     page.locator("#radial_load_N-typed").fill("-5")
     page.locator("#radial_load_N-typed").press("Tab")
     refused = page.locator("#refused")
@@ -575,15 +553,6 @@ def test_it_can_be_paused_slowed_down_and_taken_step_by_step(page):
     page.wait_for_function("() => window.live.frame().time > 2")
     assert page.locator("#pace").inner_text().startswith("One second here is")
     page.locator("#slowness").fill("5")
-
-
-@on_a_desk
-def test_numbers_of_an_axis_differ_however_small_its_steps(page):
-    """An envelope of thousandths of g had the ticks 0, 0, 0."""
-    shown = page.evaluate(
-        "[[0, 2e-4, 4e-4], [-2.5, 0, 2.5], [0, 500, 1000]].map(v => charts.plain(null, v, 0, 0, v[1] - v[0]))"
-    )
-    assert shown == [["0.0000", "0.0002", "0.0004"], ["−2.5", "0.0", "2.5"], ["0", "500", "1000"]]
 
 
 def test_the_bearing_stays_in_view_beside_many_controls_and_is_dark_where_all_is(browser):

@@ -60,7 +60,7 @@ def near(image, colour, tolerance=12):
     return np.abs(image.astype(int) - colour).max(axis=-1) <= tolerance
 
 
-def test_what_is_drawn_is_linear_in_the_magnification_which_is_round_and_fits_the_largest(instant, drawn):
+def test_bodies_are_drawn_where_the_file_has_them_by_a_round_factor_and_loaded_contacts_closed(instant, drawn):
     largest = float(drawn.quantity("displacement").max())
     factor = chosen_magnification(largest, PAPER_RADIUS)
     assert LARGEST_SHARE / 1.5 < factor * largest / PAPER_RADIUS <= LARGEST_SHARE and factor == float(f"{factor:.1e}")
@@ -69,10 +69,7 @@ def test_what_is_drawn_is_linear_in_the_magnification_which_is_round_and_fits_th
     assert often == pytest.approx(300.0 * once, rel=1e-9, abs=1e-15)
     inner = drawn.quantity("displacement")[drawn.circles[0]]
     assert inner == pytest.approx(np.full(len(inner), np.hypot(*instant.hub)), rel=1e-9)
-
-
-def test_rollers_and_hub_are_drawn_where_the_file_has_them_and_loaded_contacts_closed(instant, drawn):
-    """Magnified, a raceway and a roller's surface fall together in the middle of a contact."""
+    # Magnified, a raceway and a roller's surface fall together in the middle of a contact.
     points, mass = drawn.points(1.0), instant.model.roller.mass
     rollers = points[drawn.body >= FIRST_ROLLER].reshape(13, -1, 2)
     centres = np.einsum("n,jnc->jc", mass, rollers) / mass.sum()
@@ -87,13 +84,10 @@ def test_rollers_and_hub_are_drawn_where_the_file_has_them_and_loaded_contacts_c
         assert max(outlines[2] @ normal) == pytest.approx(max(outlines[4 + j] @ normal), abs=0.1e-3)
 
 
-def test_clearance_is_magnified_like_displacements(tmp_path):
+def test_clearance_is_magnified_like_displacements_and_refined_outlines_and_nodes_lie_on_the_circles(drawn, tmp_path):
     loose = at_rest(tmp_path / "loose.nc", "bearing.outer_raceway_diameter_mm=56.02", "numerics.start=rest")
     raceway = drawn_bearing(loose.instant(0)).outlines(100.0)[2][::ARCS]  # its nodes
     assert np.hypot(*raceway.T) == pytest.approx(np.full(len(raceway), 28e-3 + 100.0 * 10e-6), abs=1e-9)
-
-
-def test_refined_outlines_and_nodes_lie_on_the_circles(drawn):
     fine = drawn.refined(1e-4, 4e-4, 0.3)
     for points, radius in ((fine.outlines(0.0)[0], 12.5e-3), (fine.outlines(0.0)[1], 18e-3)):
         assert np.hypot(*points.T) == pytest.approx(np.full(len(points), radius), rel=1e-9)
@@ -175,25 +169,21 @@ def test_a_close_up_shows_the_shear_below_both_contacts(can_draw, run):
         assert bright[half - 35 : half - 5].sum() > 5 and bright[half + 5 : half + 35].sum() > 5
 
 
-def test_the_probe_refuses_a_blank_picture(can_draw, monkeypatch):
-    blank = PROBE.replace("renderer.AddActor(actor)", "")
-    assert blank != PROBE
-    monkeypatch.setattr("fem.pictures.output.PROBE", blank)
-    with pytest.raises(UsageError, match="the picture is blank"):
-        check_rendering()
-
-
 @pytest.mark.parametrize(("code", "stderr", "words"), [
     (-11, "", "crashed"), (139, "", "crashed"), (None, "", "not finished in 60 s"),
-    (1, "Traceback\nImportError: libX11.so.6: cannot open\n", "libX11"),
+    (1, "Traceback\nImportError: libX11.so.6: cannot open\n", "libX11"), ("blank", "", "the picture is blank"),
 ])  # fmt: skip
-def test_a_failing_probe_is_answered_with_what_cures_it(monkeypatch, code, stderr, words):
+def test_a_failing_probe_is_answered_with_what_cures_it(can_draw, monkeypatch, code, stderr, words):
     def probe(*_, timeout, **__):
         if code is None:
             raise subprocess.TimeoutExpired("python", timeout)
         return subprocess.CompletedProcess([], code, "", stderr)
 
-    monkeypatch.setattr(subprocess, "run", probe)
+    if code == "blank":
+        assert "renderer.AddActor(actor)" in PROBE
+        monkeypatch.setattr("fem.pictures.output.PROBE", PROBE.replace("renderer.AddActor(actor)", ""))
+    else:
+        monkeypatch.setattr(subprocess, "run", probe)
     with pytest.raises(UsageError, match=words) as caught:
         check_rendering()
     assert "apt-get install --no-install-recommends libgl1 libegl1" in str(caught.value)
@@ -209,8 +199,7 @@ def test_the_command_writes_a_png_that_names_model_and_damping(coarse_run, tmp_p
         panel, words, *where, **how))  # fmt: skip
     target = tmp_path / "new folder" / "picture.png"
     options = ["--time", "2", "--output", str(target), "--width", "400", "--magnification", "100", "--view", view]
-    assert render_main([str(coarse_run), *options]) == 0
-    assert str(target) in capsys.readouterr().out
+    assert render_main([str(coarse_run), *options]) == 0 and str(target) in capsys.readouterr().out
     with Image.open(target) as picture:
         assert picture.format == "PNG" and picture.size == (400, 300)
         assert picture.text["Description"].endswith("; finite elements, no contact damping.")
@@ -245,8 +234,7 @@ def test_films_have_the_frames_asked_for_and_one_that_fails_leaves_nothing(coars
 
     monkeypatch.setattr(Renderer, "image", fail)
     before = sorted(tmp_path.iterdir())
-    assert filmed("c.gif", "--frames 3")[0] == 2
-    assert sorted(tmp_path.iterdir()) == before
+    assert filmed("c.gif", "--frames 3")[0] == 2 and sorted(tmp_path.iterdir()) == before
 
 
 @pytest.mark.parametrize(("options", "words"), [
@@ -373,9 +361,7 @@ def sketch(faulty):
 
 def test_holes_lie_where_spalls_are_and_are_as_deep(sketch):
     """At their own scale: flat bottoms of 10 and 100 µm; as reached: the bottom, or 128.8 µm between two edges.
-
-    Rounded edges of radius 0.1 mm, 10 µm deep: half a µm below the circle 10 µm from where it leaves it, x²/(2e).
-    """
+    Rounded edges of radius 0.1 mm, 10 µm deep: half a µm below the circle 10 µm from where it leaves it, x²/(2e)."""
     true, reached = (holes(sketch(), 0.0, as_reached=as_reached) for as_reached in (False, True))
     for k, centre, radius, direction, width, depths in (
         (0, (0.0, 0.0), 28e-3, 0.0, 1e-3, (10e-6, 10e-6)),
@@ -395,7 +381,7 @@ def test_holes_lie_where_spalls_are_and_are_as_deep(sketch):
         assert np.interp(0.5e-3 * np.sqrt(1.02) - x, along, depth) == pytest.approx(x**2 / 0.2e-3, rel=0.1, abs=0.1e-6)
 
 
-def test_a_hole_is_no_deeper_than_its_body_bears_and_a_roller_that_has_sunk_in_is_not_cut_away(sketch):
+def test_holes_are_no_deeper_than_bodies_bear_nor_cut_rollers_away_charts_magnify_heights(sketch):
     """The spall's upper line is the roller's surface there, at any magnification."""
     found = holes(sketch(1e4), 0.0, as_reached=True)
     depth = np.hypot(*found[0].edge.T) - np.hypot(*found[0].edge[0])
@@ -404,14 +390,10 @@ def test_a_hole_is_no_deeper_than_its_body_bears_and_a_roller_that_has_sunk_in_i
         hole = holes(sketch(magnification), 1e-6, as_reached=True)[0]
         nearest = np.hypot(*(hole.top[:, None] - sketch(magnification).centres).transpose(2, 0, 1)).min(axis=1)
         assert nearest.min() > 5e-3 - 1e-9
-
-
-def test_charts_magnify_heights_around_their_circles_and_an_unequal_roller_is_named(sketch):
     (chart,) = charts(sketch(100.0))
     factor, centre = chart_factor(sketch().bearing), sketch(100.0).hub
     height = np.hypot(*(chart.curve - centre).T) - np.hypot(*(chart.circle - centre).T)
-    assert np.abs(height).max() == pytest.approx(factor * 2e-6, rel=1e-3)
-    assert 0.1 < factor * 2e-6 / 5.5e-3 <= 0.22
+    assert np.abs(height).max() == pytest.approx(factor * 2e-6, rel=1e-3) and 0.1 < factor * 2e-6 / 5.5e-3 <= 0.22
     assert np.count_nonzero((height[:-1] > 0) & (height[1:] <= 0)) == 7 and chart.name == "order 7, 2 µm"
     ((circle, name),) = unequal_rollers(sketch())
     assert (circle.roller, name) == (5, "Ø −3 µm")

@@ -43,7 +43,7 @@ on_a_desk = pytest.mark.parametrize("page", [1280], indirect=True)
 
 
 @everywhere
-def test_the_report_is_one_file_that_fetches_nothing_and_its_figures_are_seen(page, report):
+def test_the_report_is_one_file_that_fetches_nothing_its_figures_are_seen_and_its_verdict_is_first(page, report):
     assert 100_000 < report.stat().st_size < 5_000_000
     page.wait_for_function("window.spectra !== undefined")
     outside = [url for url in page.asked if url != report.as_uri() and not url.startswith("data:")]
@@ -55,10 +55,6 @@ def test_the_report_is_one_file_that_fetches_nothing_and_its_figures_are_seen(pa
         box = image.bounding_box()
         assert box["width"] > 0.6 * min(page.viewport_size["width"], 750) and box["height"] > 80
         assert image.evaluate("image => image.complete && image.naturalWidth > 300")
-
-
-@everywhere
-def test_the_page_is_no_wider_than_the_screen_its_verdict_first_and_links_lead_somewhere(page):
     assert_readable(page, "p, li, td, th", 11.0)
     verdict = page.locator(".verdict")
     assert "The trajectories are sound" in verdict.inner_text() and "and at most" in verdict.inner_text()
@@ -72,25 +68,35 @@ def _range(page):
     return page.evaluate("window.spectra.range()")
 
 
+def _pressed(page, *names):
+    for name in names:
+        page.get_by_role("button", name=name).click()
+    return _range(page)
+
+
 @everywhere
-def test_the_spectra_zoom_by_buttons(page):
+def test_the_spectra_zoom_by_buttons_and_the_player_shows_where_it_is_told(page):
     low, high = _range(page)
-    page.get_by_role("button", name="0-300 Hz").click()
-    assert _range(page)[1] <= 1001.0 and high > 40_000.0  # 4 ms: the fourth bin
-    page.get_by_role("button", name="whole band").click()
-    assert _range(page) == pytest.approx([low, high])
-    page.get_by_role("button", name="zoom in").click()
-    nearer = _range(page)
+    assert _pressed(page, "0-300 Hz")[1] <= 1001.0 and high > 40_000.0  # 4 ms: the fourth bin
+    assert _pressed(page, "whole band") == pytest.approx([low, high])
+    nearer = _pressed(page, "zoom in")
     assert low < nearer[0] < nearer[1] < high
-    page.get_by_role("button", name="to higher frequencies").click()
-    assert _range(page)[0] > nearer[0]
-    page.get_by_role("button", name="log / linear").click()
-    page.get_by_role("button", name="zoom out").click()
-    assert _range(page)[0] < nearer[0]
+    assert _pressed(page, "to higher frequencies")[0] > nearer[0] > _pressed(page, "log / linear", "zoom out")[0]
+    box = page.locator("#player canvas").bounding_box()
+    assert box["y"] < 700 and box["width"] > 0.85 * min(page.viewport_size["width"], 900) and box["height"] > 150
+    first = page.locator("#player-state").inner_text()
+    page.evaluate("window.player.show(1e9)")
+    last = page.locator("#player-state").inner_text()
+    assert first != last and "largest load" in last and last.startswith("4.00 ms")
+    _pressed(page, "play")
+    assert page.evaluate("window.player.playing()")
+    page.wait_for_function("window.player.frame() > 2 && window.player.frame() < 20")
+    _pressed(page, "pause")
+    assert not page.evaluate("window.player.playing()")
 
 
 @on_a_desk
-def test_the_spectra_zoom_by_dragging_double_click_shows_all_and_are_saved_as_csv_without_a_network(page):
+def test_spectra_zoom_by_dragging_and_are_saved_curves_loads_and_paths_are_drawn_in_print_controls_are_gone(page):
     area = page.locator("#spectra .u-over")
     area.scroll_into_view_if_needed()
     box = area.bounding_box()
@@ -109,10 +115,6 @@ def test_the_spectra_zoom_by_dragging_double_click_shows_all_and_are_saved_as_cs
     assert rows[0] == "frequency_Hz,psd_error_x,psd_error_y"
     values = [float(value) for value in rows[1].split(",")]
     assert len(values) == 3 and values[0] == pytest.approx(249.4, rel=0.01) and min(values) > 0.0
-
-
-@on_a_desk
-def test_curves_loads_and_the_path_are_drawn_and_in_print_tables_are_whole_and_controls_gone(page):
     page.locator("#spectra").scroll_into_view_if_needed()
     assert min(coloured_pixels(page, "#spectra canvas", "r < 40 && b > 150", "r > 190 && b < 60")) > 500
     bars, rollers = "r > 200 && g < 110 && b < 20", "r < 90 && b > 90 && b > r + 60"
@@ -121,26 +123,9 @@ def test_curves_loads_and_the_path_are_drawn_and_in_print_tables_are_whole_and_c
     places = [page.locator(f"#{name}").bounding_box()["y"] for name in order.split()]
     assert places == sorted(places)
     page.emulate_media(media="print")
-    assert not page.locator("nav").is_visible()
-    assert not page.get_by_role("button", name="zoom in").is_visible()
+    assert not page.locator("nav").is_visible() and not page.get_by_role("button", name="zoom in").is_visible()
     styles = page.locator(".scroll").evaluate_all("all => all.map(e => getComputedStyle(e).overflowX)")
     assert set(styles) == {"visible"}
-
-
-@everywhere
-def test_the_player_stands_at_the_top_and_shows_where_it_is_told(page):
-    canvas = page.locator("#player canvas")
-    box = canvas.bounding_box()
-    assert box["y"] < 700 and box["width"] > 0.85 * min(page.viewport_size["width"], 900) and box["height"] > 150
-    first = page.locator("#player-state").inner_text()
-    page.evaluate("window.player.show(1e9)")
-    last = page.locator("#player-state").inner_text()
-    assert first != last and "largest load" in last and last.startswith("4.00 ms")
-    page.get_by_role("button", name="play").click()
-    assert page.evaluate("window.player.playing()")
-    page.wait_for_function("window.player.frame() > 2 && window.player.frame() < 20")
-    page.get_by_role("button", name="pause").click()
-    assert not page.evaluate("window.player.playing()")
 
 
 @everywhere
@@ -191,7 +176,6 @@ def test_on_a_phone_the_verdict_is_first_meanings_are_on_the_screen_and_no_word_
             assert page.locator(".verdict").bounding_box()["y"] < 200
             sizes = "all => all.map(e => [e.getBoundingClientRect().right, e.clientWidth, e.scrollWidth])"
             cells = page.locator(".stacked td").evaluate_all(sizes)
-            assert len(cells) > 60
-            assert all(right <= 390 and scroll <= client + 1 for right, client, scroll in cells)
+            assert len(cells) > 60 and all(right <= 390 and scroll <= client + 1 for right, client, scroll in cells)
             keys += page.locator(".keys td:first-child").evaluate_all("all => all.map(e => e.getClientRects().length)")
     assert set(keys) == {1}

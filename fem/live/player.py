@@ -36,8 +36,6 @@ SPALLED = {"outer_ring": "Spall, outer raceway", "inner_ring": "Spall, inner rac
 SPALL_KEYS = {"mm": "width_mm", "deg": "angle_deg"}
 STEEPEST = 3.0  # mrad
 LONGER = 4.0  # times the scene's own value: the end of such a slider
-
-
 MM, UM, MPA = 1e-3, 1e-6, 1e6
 LONGEST = 2**15  # samples that a spectrum is of
 SHORTEST = 256
@@ -182,7 +180,6 @@ class Record:
 
     def spectrum(self) -> tuple[np.ndarray, np.ndarray]:
         """Amplitudes of the measured acceleration, (2, n), m/s², x and y, by frequencies, (n,), Hz.
-
         Each is the highest of its band, BANDS of equal ratio; none where the record is too short."""
         if self._acceleration.shape[1] < SHORTEST:
             return np.zeros(0), np.zeros((2, 0))
@@ -227,7 +224,6 @@ class Record:
 
 class Player:
     """A scene, the values that viewers have chosen, and the run of both.
-
     New values begin a new run, from its own steady state (or from rest, if the scene says so) with roller 0 where it
     was: positions that belong to other values would be a blow that nobody has given."""
 

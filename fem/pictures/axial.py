@@ -54,7 +54,6 @@ def axial_pressures(stored: StoredRun, sample: int) -> AxialPressures:
 
 def draw_axial(stored: StoredRun, target: Path, sample: int) -> None:
     """Write a PNG of the pressures at a sample.
-
     Both raceways unrolled, and the most loaded roller from its side: pressure along it, and below how far its profile
     and tilt take it from the raceway."""
     import matplotlib.pyplot as plt

@@ -13,9 +13,9 @@ their own.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import asin, pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -59,7 +59,6 @@ def refined(
     data: np.ndarray, triangles: np.ndarray, wanted: Callable[[np.ndarray], np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Split triangles, (n, 3), until none is larger than wanted; no node is left hanging on an edge.
-
     scikit-fem refines too, but rebuilds the whole mesh at each level and doesn't tell what new nodes lie between; here
     all columns of nodal data, (n_nodes, n_columns), are carried along. The first two are the position, m; a new node,
     behind the old ones, has the mean of its edge's ends.
@@ -275,7 +274,6 @@ class ShearPeak(NamedTuple):
 
 def shear_peak(drawn: DrawnBearing, item: BodyLoad) -> ShearPeak:
     """Search a fine grid: the mesh's smooth part, fitted around the contact, and Hertz's field.
-
     A mesh that resolves the contact is searched itself, node by node."""
     load, b, at = item.load, item.load.half_width, np.flatnonzero(drawn.body == item.body)
     nodes, smooth = drawn.local[at] - load.point, drawn.smooth_stress[at]
@@ -314,13 +312,13 @@ class Circle(NamedTuple):
         return self.points(np.array([angle]), (1.0 - NAME_AT) * self.radius if inwards is None else inwards)[0]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Drawing:
+class Drawing(NamedTuple):
     """An instant and its bodies as a picture magnifies their displacements."""
 
     instant: Instant
     drawn: DrawnBearing
     magnification: float
+    look: Any = None  # `fem.pictures.look.Look` of a picture
 
     bearing = property(lambda self: self.instant.model.bearing)
     hub = property(lambda self: self.magnification * self.instant.hub)  # where the hub is drawn, (2,), m

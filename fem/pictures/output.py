@@ -68,7 +68,6 @@ def refuse_foreign(target: Path, force: bool) -> None:
 
 def check_rendering() -> None:
     """Draw a small picture in a process of its own. UsageError: it failed, with what cures it.
-
     Where system libraries are missing, VTK ends its process without a word."""
     environment = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow", **os.environ}
     try:
@@ -92,7 +91,6 @@ def rendering_failure(reason: str) -> str:
 
 def write_film(target: Path, images: Iterator[np.ndarray], frames_per_second: float, typical: np.ndarray) -> None:
     """Write the images, (height, width, 3) bytes, heights and widths even, as a film; whole or not at all.
-
     MP4 by ffmpeg, which imageio-ffmpeg brings along, or an animated GIF by Pillow. OSError: it can't be written.
     `typical` : one of them, whose colours are those of all frames of a GIF, so that they keep their meaning"""
     import imageio_ffmpeg
@@ -143,7 +141,6 @@ def write_series(run: "StoredRun", target: Path, samples: Sequence[int], count: 
 
 def fields(instant: "Instant") -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Points, (n, 2), m, and data at them: inner ring, outer ring, then the rollers; SI, fixed axes, single precision.
-
     displacement (n, 3); stress (n, 9), the tensor by rows; von_mises, max_shear (n,)"""
     from fem.elastic.bodies import max_shear, von_mises
     from fem.solver.elements.arrays import global_fields, rotated

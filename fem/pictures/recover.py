@@ -130,7 +130,6 @@ class StoredRun(RunFile):
     @cached_property
     def load_zone(self) -> tuple[float, float] | None:
         """Where rollers are pressed between the rings in the run: angles about the outer ring's centre, rad.
-
         From the first to the second counter-clockwise; None where no roller ever is."""
         loaded = np.minimum(self["inner_force"], self["outer_force"]) > self._least_force
         x, y = (self.from_housing(name)[loaded] for name in ("roller_x", "roller_y"))
@@ -153,10 +152,8 @@ class StoredRun(RunFile):
             return len(times) - 1
         slack = 0.5 * (times[1] - times[0]) if len(times) > 1 else 1e-9
         if not times[0] - slack <= time <= times[-1] + slack:
-            raise UsageError(
-                f"{self.path}: no sample at {1e3 * time:.6g} ms; it holds {1e3 * times[0]:.6g} to "
-                f"{1e3 * times[-1]:.6g} ms"
-            )
+            first, last = 1e3 * times[0], 1e3 * times[-1]
+            raise UsageError(f"{self.path}: no sample at {1e3 * time:.6g} ms; it holds {first:.6g} to {last:.6g} ms")
         return int(np.argmin(np.abs(times - time)))
 
     def instant(self, sample: int) -> Instant:

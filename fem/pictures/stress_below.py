@@ -131,7 +131,6 @@ class BodyLoad(NamedTuple):
 
     def share(self, points: np.ndarray) -> np.ndarray:
         """How far the exchange is made at points (n, 2) from the body's centre: 1 at the contact, 0 far away.
-
         On rollers it is made everywhere: what the mesh is left with is then smooth throughout. On rings it fades out
         with the distance from the contact; far away the two fields agree, and around the outer ring they can't be
         continued."""

@@ -8,7 +8,6 @@ half-widths of the widest one.
 
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
 from math import pi
 from pathlib import Path
 
@@ -42,13 +41,6 @@ CAGE, ORBIT_DOT = "#c9b28a", "#0072b2"
 PACKED = 1  # of PNG; 6 takes twice the time for a tenth less room
 
 
-@dataclass(frozen=True, kw_only=True)
-class Sketch(Drawing):
-    """What is drawn, and how."""
-
-    look: Look
-
-
 class Renderer(AbstractContextManager):
     """Draws samples of a run with scales that fit all of those it is made for; use as a context manager.
     UsageError: the request does not suit the run, the run is damaged."""
@@ -64,9 +56,7 @@ class Renderer(AbstractContextManager):
         """(height, width, 3) bytes."""
         instant, look = self._run.instant(sample), self.look
         self._canvas.clear()
-        drawn = bodies.drawn_bearing(instant)
-        sketch = Sketch(instant=instant, drawn=drawn, magnification=look.magnification, look=look)
-        self._paint(sketch, *self._canvas.panels)
+        self._paint(Drawing(instant, bodies.drawn_bearing(instant), look.magnification, look), *self._canvas.panels)
         return self._canvas.image()
 
     def __exit__(self, *_) -> None:
@@ -95,7 +85,7 @@ def _signed(value: float) -> str:  # A number with a true minus sign, and no neg
     return f"{value + 0.0:g}".replace("-", "−")
 
 
-def _title(page: Panel, sketch: Sketch, x: float, y: float, below: float, method_below: float | None = None) -> None:
+def _title(page: Panel, sketch: Drawing, x: float, y: float, below: float, method_below: float | None = None) -> None:
     """Name, time, operation, model and damping; an animation's pace.
     `below` : how far below the title facts stand; `method_below`: and model and damping in a line of their own"""
     instant, bearing = sketch.instant, sketch.bearing
@@ -142,25 +132,23 @@ def _texts(page: Panel, x: float, y: float, lines: Sequence[str], size: float, a
     return y
 
 
-def _bodies(plane: Panel, sketch: Sketch, fine: DrawnBearing, scale: Scale, unit: float, page=False) -> list:
+def _bodies(plane: Panel, sketch: Drawing, fine: DrawnBearing, scale: Scale, unit: float, page=False, mesh=True):
     """Coloured bodies, their outlines, and the holes of spalls, which are returned.
-    `unit` : m, a length of the panel; `page` : whether it shows the whole bearing: spalls as deep as rollers reach"""
+    `unit` : m, a length of the panel; `page` : whether it shows the whole bearing: spalls as deep as rollers reach;
+    `mesh` : whether edges of the finite elements are drawn, if they can be told apart"""
     values, is_roller = scale.values(fine), fine.body[fine.triangles[:, 0]] >= FIRST_ROLLER
+    drawn, magnification, pixel = sketch.drawn, sketch.magnification, plane.view.pixel * unit
     for part in (~is_roller, is_roller):  # above: where one lies in a spall, magnified, it overlaps the ring
         if part.any():
-            plane.field(fine.points(sketch.magnification), fine.triangles[part], values, scale)
-    plane.stroke(sketch.drawn.outlines(sketch.magnification), INK, OUTLINE)
-    holes = bodies.holes(sketch, OUTLINE * plane.view.pixel * unit, as_reached=page)
+            plane.field(fine.points(magnification), fine.triangles[part], values, scale)
+    plane.stroke(drawn.outlines(magnification), INK, OUTLINE)
+    holes = bodies.holes(sketch, OUTLINE * pixel, as_reached=page)
     for hole in holes:
         plane.strip(hole.top, hole.bottom, "white")
         plane.stroke(hole.edge, FAULT, SPALL)
+    if mesh and drawn.spacing > FINEST_WIRES * pixel:
+        plane.stroke(drawn.points(magnification)[drawn.inner_edges()], "white", WIRE, 0.22)
     return holes
-
-
-def _mesh(plane: Panel, sketch: Sketch, unit: float) -> None:  # edges of the finite elements, if they can be told apart
-    drawn = sketch.drawn
-    if drawn.spacing > FINEST_WIRES * plane.view.pixel * unit:
-        plane.stroke(drawn.points(sketch.magnification)[drawn.inner_edges()], "white", WIRE, 0.22)
 
 
 # ---- the whole bearing
@@ -193,7 +181,7 @@ def _orbit_view(look: Look) -> list[View]:
     return [View(left=x, bottom=y, right=x + size / wide, top=y + size / tall, middle=middle, tall=extent)]
 
 
-def _paint_bearing(sketch: Sketch, page: Panel, *inset: Panel) -> None:
+def _paint_bearing(sketch: Drawing, page: Panel, *inset: Panel) -> None:
     drawn, look, bearing, unit = sketch.drawn, sketch.look, sketch.bearing, sketch.bearing.outside_radius
     plane = page.placed(lambda points: np.asarray(points) / unit)  # for lengths in m
     _housing(page, sketch)
@@ -203,7 +191,6 @@ def _paint_bearing(sketch: Sketch, page: Panel, *inset: Panel) -> None:
         plane.stroke([np.concatenate([bar, bar[:1]]) for bar in cage], INK, OUTLINE)
     fine = drawn.refined(FINEST * PAGE.pixel * unit, COARSEST * unit, RELATIVE)
     names = [(hole.name, hole.place) for hole in _bodies(plane, sketch, fine, look.scale, unit, page=True)]
-    _mesh(plane, sketch, unit)
     plane.stroke(arc(sketch.hub, bearing.core_radius), INK, OUTLINE)
     for chart in bodies.charts(sketch):
         plane.stroke(chart.circle, "white", 1.0, opacity=0.8)
@@ -230,7 +217,7 @@ def _paint_bearing(sketch: Sketch, page: Panel, *inset: Panel) -> None:
         _orbit(page, panel, sketch)
 
 
-def _housing(page: Panel, sketch: Sketch) -> None:
+def _housing(page: Panel, sketch: Drawing) -> None:
     look, unit, bore = sketch.look, sketch.bearing.outside_radius, sketch.instant.scene.mounting().bore
     if bore is None:
         inside = float(np.hypot(*sketch.drawn.outlines(sketch.magnification)[3][0])) / unit - 0.01
@@ -250,7 +237,6 @@ def _housing(page: Panel, sketch: Sketch) -> None:
 
 def bars(instant: Instant) -> list[np.ndarray]:
     """Outlines of the cage's bars between the rollers, (n, 2), m; none without a cage.
-
     They are drawn where they are: a cage's play is a thousand times the bodies' displacements, and is not magnified."""
     facts, bearing = instant.scene.ideal_cage(), instant.model.bearing
     if facts is None or instant.cage is None:
@@ -270,7 +256,7 @@ def bars(instant: Instant) -> list[np.ndarray]:
     return [instant.cage[:2] + np.column_stack([each.real, each.imag]) for each in turned]
 
 
-def _dots(plane: Panel, sketch: Sketch) -> None:  # dots that turn with the rollers and the rings that turn
+def _dots(plane: Panel, sketch: Drawing) -> None:  # dots that turn with the rollers and the rings that turn
     instant, bearing = sketch.instant, sketch.bearing
     if not any(instant.operation.ring_speeds):
         return
@@ -285,7 +271,7 @@ def _dots(plane: Panel, sketch: Sketch) -> None:  # dots that turn with the roll
         plane.fill([arc(place, size * DOT[1] * bearing.roller_radius) for place in places], colour)
 
 
-def _shaft(page: Panel, sketch: Sketch, hub: np.ndarray, bore: float) -> None:
+def _shaft(page: Panel, sketch: Drawing, hub: np.ndarray, bore: float) -> None:
     """The hub's centre, the outer ring's centre, the load and how both rings turn."""
     operation, size = sketch.instant.operation, min(27.0, 75.0 * bore)
     page.stroke(canvas.cross((0.0, 0.0), 0.16 * bore), FAINT, 1.5)
@@ -304,7 +290,7 @@ def _shaft(page: Panel, sketch: Sketch, hub: np.ndarray, bore: float) -> None:
         page.text("n", hub[0], hub[1] + 0.56 * bore, size, bold=True, align="center")
 
 
-def _legend(page: Panel, sketch: Sketch) -> None:
+def _legend(page: Panel, sketch: Drawing) -> None:
     instant, look, bearing = sketch.instant, sketch.look, sketch.bearing
     _title(page, sketch, EDGE, TOP, 0.105)
     page.text(f"{look.scale.title}, {look.scale.unit}", COLUMN, COLOUR_BAR[1] + 0.10, HEADING, bold=True)
@@ -350,7 +336,7 @@ def _legend(page: Panel, sketch: Sketch) -> None:
     _length_bar(page, COLUMN, y - 2.4 * LINE, 1e3 * bearing.outside_radius)
 
 
-def _orbit(page: Panel, inset: Panel, sketch: Sketch) -> None:
+def _orbit(page: Panel, inset: Panel, sketch: Drawing) -> None:
     left, bottom, size = ORBIT
     x, y, tall = left + size + 0.04, bottom + size - 0.05, inset.view.tall
     page.text("Hub's orbit", x, y, HEADING, bold=True)
@@ -381,7 +367,7 @@ FACTS, FACTS_APART = 20.0, 0.027  # pixels, of the page's height
 CROSS = 0.16  # half the size of a mark
 
 
-def _paint_closeup(sketch: Sketch, page: Panel, main: Panel, *contacts: Panel) -> None:
+def _paint_closeup(sketch: Drawing, page: Panel, main: Panel, *contacts: Panel) -> None:
     look = sketch.look
     _title(page, sketch, 0.02, 0.97, 0.042, 0.071)
     _roller(main, sketch)
@@ -396,11 +382,11 @@ def _paint_closeup(sketch: Sketch, page: Panel, main: Panel, *contacts: Panel) -
         _texts(page, BARS[1][0], BARS[1][1] - 0.035, lines, FACTS, FACTS_APART)
 
 
-def _direction(sketch: Sketch, kind: str) -> float:  # from the ring's centre to the roller's, rad
+def _direction(sketch: Drawing, kind: str) -> float:  # from the ring's centre to the roller's, rad
     return getattr(sketch.instant, f"{kind}_angle")[sketch.look.roller]
 
 
-def _is_over_a_spall(sketch: Sketch, kind: str) -> bool:
+def _is_over_a_spall(sketch: Drawing, kind: str) -> bool:
     """Whether the contact's line of centres meets a spall: then its edges carry the force."""
     j, bearing, instant, direction = sketch.look.roller, sketch.bearing, sketch.instant, _direction(sketch, kind)
     on_ring = direction - (instant.ring_turn if kind == "inner" else instant.outer_turn)
@@ -414,19 +400,18 @@ def _is_over_a_spall(sketch: Sketch, kind: str) -> bool:
     return False
 
 
-def _turned(panel: Panel, sketch: Sketch, origin: np.ndarray, unit: float) -> Panel:
+def _turned(panel: Panel, sketch: Drawing, origin: np.ndarray, unit: float) -> Panel:
     """A panel for points in m from an origin: the outer raceway below."""
     turn = -0.5 * pi - _direction(sketch, "outer")
     return panel.placed(lambda points: rotated(points - origin, turn) / unit)
 
 
-def _roller(main: Panel, sketch: Sketch) -> None:  # the whole roller, with the mesh and the bodies' names
+def _roller(main: Panel, sketch: Drawing) -> None:  # the whole roller, with the mesh and the bodies' names
     drawn, radius, j = sketch.drawn, sketch.bearing.roller_radius, sketch.look.roller
     centre = drawn.roller_reference[j]
     plane = _turned(main, sketch, centre, radius)
     fine = drawn.near(centre, REACH * radius).refined(FINEST_ROLLER * radius, COARSEST_ROLLER * radius, RELATIVE)
     _bodies(plane, sketch, fine, sketch.look.scale, radius)
-    _mesh(plane, sketch, radius)
     left, tall = -0.48 * main.wide, ROLLER.tall
     angle = (np.degrees(_direction(sketch, "outer")) + 90.0 + 180.0) % 360.0 - 180.0
     name = f"roller {j}, {_signed(round(angle, 1))}° from the load"
@@ -436,14 +421,14 @@ def _roller(main: Panel, sketch: Sketch) -> None:  # the whole roller, with the 
     _length_bar(main, left + 0.02, -0.46 * tall, 1e3 * radius, backed=True)
 
 
-def _contact(page: Panel, panel: Panel, sketch: Sketch, kind: str) -> None:
+def _contact(page: Panel, panel: Panel, sketch: Drawing, kind: str) -> None:
     """The field around one contact, how wide it is, where the shear is largest; and the numbers around its panel."""
     b, j, drawn, view = sketch.look.half_width, sketch.look.roller, sketch.drawn, panel.view
     angle, tall = _direction(sketch, kind) + pi * (kind == "inner"), view.tall
     point = drawn.roller_reference[j] + sketch.bearing.roller_radius * unit_vector(angle)
     near = drawn.near(point, 1.5 * drawn.spacing + tall * b)
     fine = near.refined(FINEST_BELOW * b, 0.5 * drawn.spacing, RELATIVE_BELOW)
-    _bodies(_turned(panel, sketch, point, b), sketch, fine, sketch.look.contact_scale, b)
+    _bodies(_turned(panel, sketch, point, b), sketch, fine, sketch.look.contact_scale, b, mesh=False)
     panel.frame()
     _length_bar(panel, -0.46 * panel.wide, -0.44 * tall, 1e3 * b, longest=2.0, backed=True)
     force, left = getattr(sketch.instant, f"{kind}_force")[j], ASPECT * view.left

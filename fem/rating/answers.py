@@ -487,7 +487,6 @@ def _plain(value: Any) -> Any:  # for JSON: arrays as lists, what is infinite or
 
 def rating(scene: Scene, options: Options | None = None) -> Rating:
     """All answers to a scene.
-
     Example
     -------
     rating(Scene(bearing={"designation": "NU206"}))["C_N"]"""

@@ -60,7 +60,6 @@ def write_coefficients(path: Path, found: Coefficients) -> None:
 
 def read_coefficients(path: str | Path) -> dict[str, np.ndarray]:
     """Keyword arguments of the installed ross.BearingElement, (n,) each. ValueError: the file can't be read.
-
     The shaft's speed is `speed`. Before version 3 ROSS calls it `frequency`, which since then is that of the whirl."""
     speed = "speed"
     with suppress(ImportError):

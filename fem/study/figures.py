@@ -21,8 +21,6 @@ WIDE = 16.0  # largest over smallest value
 MOST = 6  # rows, or columns, of a figure
 MOST_TICKS = 4  # of a small axis
 CLOUD = 3000  # points drawn one by one, at most
-
-
 LOOK: dict[Any, Any] = {**STYLE, "figure.constrained_layout.use": True, "font.size": 9, "axes.labelsize": 9}
 
 

@@ -402,7 +402,6 @@ def task(point: int, scene: Scene, wanted: Wanted, expected_program: str, topic:
 
 class Cluster(Solver):
     """Workers of a scheduler, and how long their points have taken.
-
     A point asks for its time limit several times a second, but not while it is planned, compiled or inside of other
     compiled code. A worker that hangs there answers nobody, so that it is watched from outside: each point tells when
     it begins, and long after its limit the worker's process is killed."""

@@ -341,7 +341,6 @@ def _check_count(count: int, parameters: int, what: str) -> None:
 
 def _drawn(sampling: SamplingTable, parameters: Mapping[str, Parameter]) -> Design:
     """Points of a Latin hypercube or of a scrambled Sobol sequence.
-
     With indices A, B, and for each parameter A with its column of B, one below the other, ((d + 2) n, d).
     Source: Saltelli et al., Computer Physics Communications 181 (2010), as scipy.stats.sobol_indices takes them."""
     from scipy.stats import qmc

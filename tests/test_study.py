@@ -442,8 +442,7 @@ BAD |= {  # what is wrong: the study and what must be told
     "unknown quantity": (change("hub_mean_y", "hub_mean_z"), "'hub_mean_z' is unknown; did you mean hub_mean_"),
     "quantities that are no names": (change('["hub_mean_y"]', "[1, 2]"), "keep.quantities.1 = 2: "),
     "quantity twice": (change('["hub_mean_y"]', '["hub_mean_y", "hub_mean_y"]'), "is there twice"),
-    "count of a draw": (change('"grid"', '"lhs"\nsamples = 4', RANGE, MANY), "count is only"),
-    "too many points": (
+    "count of a draw": (change('"grid"', '"lhs"\nsamples = 4', RANGE, MANY), "count is only"), "too many points": (
         change(RANGE, MANY, "[keep]", f'"operation.radial_load_N" = {MANY}\n[keep]'), "99,980,001 points; at most"),
     "signals of other lengths": (
         change(SPEED, '"numerics.duration_ms" = [1.0, 2.0]').replace('"numerics.duration_ms" = 1.0', "", 1)

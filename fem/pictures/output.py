@@ -110,8 +110,7 @@ def write_film(target: Path, images: Iterator[np.ndarray], frames_per_second: fl
         writer = imageio_ffmpeg.write_frames(
             str(part), first.shape[1::-1], fps=frames_per_second, codec="libx264", quality=None, macro_block_size=2,
             output_params=["-crf", QUALITY, "-movflags", "+faststart", "-fflags", "+bitexact",
-                           "-metadata", f"comment={MARK}", "-f", "mp4"],
-            ffmpeg_log_level="error",
+                           "-metadata", f"comment={MARK}", "-f", "mp4"], ffmpeg_log_level="error",
         )  # fmt: skip
         try:
             writer.send(None)

@@ -12,6 +12,7 @@ import json
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from importlib.metadata import version
 from math import nan, prod
 from pathlib import Path
@@ -76,7 +77,7 @@ def _record_of(points: Points) -> StudyRecord:
     study = points.study
     return StudyRecord(
         version=VERSION, name=study.name, study=study.text, listed=study.listed, scene=study.scene.to_written_toml(),
-        files=study.scene.files, **points.design._asdict(), digests=points.digests, made_by=points.made_by,
+        files=study.scene.files, **vars(points.design), digests=points.digests, made_by=points.made_by,
     )  # fmt: skip
 
 
@@ -210,24 +211,14 @@ class Folder:
 def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = lambda: None) -> xarray.Dataset:
     """The dataset of all points that are done, which is written too; `count`: after each point. OSError: it can't be
     written; an earlier dataset stays. UsageError: signals of several lengths."""
-    collected = _collected(points, folder, count)
-    with replaced(folder.dataset) as part:
-        try:
-            collected.to_netcdf(part, engine="netcdf4")
-        except RuntimeError as error:  # the library's, of a disk that fails
-            raise OSError(f"can't be written: {error}") from None
-    return collected
-
-
-def _collected(points: Points, folder: Folder, count: Callable[[], None]) -> xarray.Dataset:
-    """Values of parameters, and all that the points tell."""
     design, study, n = points.design, points.study, len(points)
-    rows: list[tuple[Solved, dict[str, float | str]]] = []
-    signals: dict[str, np.ndarray] = {}
+    rows, signals = list[dict[str, Any]](), dict[str, np.ndarray]()
     interval, known = 0.0, readable(points.scene(0))
     for i, digest in enumerate(points.digests):
         solved = folder.read(digest) or Solved(status=MISSING, seconds=nan)
-        rows.append((solved._replace(signals={}), labels(points.scene(i))))
+        told: dict[str, Any] = {name: float(solved.quantities.get(name, nan)) for name in study.keep.quantities}
+        told |= dict(status=solved.status, message=solved.text, seconds=solved.seconds)
+        rows.append(labels(points.scene(i)) | told)
         for name in study.keep.signals if solved.status == COMPLETE else ():
             values = solved.signals[name]
             if name not in signals:
@@ -253,16 +244,13 @@ def _collected(points: Points, folder: Folder, count: Callable[[], None]) -> xar
             put(name, [point[i] for point in design.points], unit, meaning)
         else:
             variables[name] = name, _array(list(design.axes[i])), {"units": unit, "long_name": meaning}
-    for name in study.keep.quantities:
-        put(name, [float(solved.quantities.get(name, nan)) for solved, _ in rows], *QUANTITIES[name])
-    for name, unit in UNITS.items():
-        put(name, [marks[name] for _, marks in rows], unit, f"label: {name.replace('_', ' ')}")
-    for name, kind, unit, meaning in (
-        ("status", "status", "1", f"status of the point: complete, failed, stopped (time limit) or {MISSING}"),
-        ("message", "text", "1", "reason if the point is not complete"),
-        ("seconds", "seconds", "s", "wall time of the point"),
-    ):
-        put(name, [getattr(solved, kind) for solved, _ in rows], unit, meaning)
+    described = {name: QUANTITIES[name] for name in study.keep.quantities}
+    described |= {name: (unit, f"label: {name.replace('_', ' ')}") for name, unit in UNITS.items()} | {
+        "status": ("1", f"status of the point: complete, failed, stopped (time limit) or {MISSING}"),
+        "message": ("1", "reason if the point is not complete"), "seconds": ("s", "wall time of the point"),
+    }  # fmt: skip
+    for name, (unit, meaning) in described.items():
+        put(name, [row[name] for row in rows], unit, meaning)
     for name, values in signals.items():
         put(name, values, known[name].unit, known[name].meaning, known[name].dimensions)
     if signals:
@@ -274,7 +262,13 @@ def _collected(points: Points, folder: Folder, count: Callable[[], None]) -> xar
         "scene": study.scene.to_toml(), "method": study.sampling.method, "seed": study.sampling.seed, "points": n,
         "sobol_base": design.base,
     }  # fmt: skip
-    return xarray.Dataset(variables, attrs=attributes)
+    dataset = xarray.Dataset(variables, attrs=attributes)
+    with replaced(folder.dataset) as part:
+        try:
+            dataset.to_netcdf(part, engine="netcdf4")
+        except RuntimeError as error:  # the library's, of a disk that fails
+            raise OSError(f"can't be written: {error}") from None
+    return dataset
 
 
 def _array(values: list) -> np.ndarray:  # numbers, NaN for None; or words, "" for None
@@ -290,7 +284,8 @@ def incomplete(dataset: xarray.Dataset) -> Iterator[tuple[int, str, str]]:
             yield i, status, text
 
 
-class Column(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Column:
     """A parameter or a quantity of all points."""
 
     name: str  # in the dataset
@@ -317,7 +312,8 @@ class Effect(NamedTuple):
     share: float  # of the quantity's variance that these means explain, 0 … 1; of drawn points see `Table.is_adjusted`
 
 
-class Table(NamedTuple):
+@dataclass(frozen=True)
+class Table:
     """A study's points as columns."""
 
     points: Points

@@ -145,7 +145,8 @@ def program() -> str:
     return hashlib.sha256("\0".join([source_digest(), *libraries]).encode()).hexdigest()[:16]
 
 
-class Wanted(NamedTuple):
+@dataclass(frozen=True)
+class Wanted:
     """What is kept of each point."""
 
     keep: KeepTable

@@ -3,6 +3,7 @@
 import csv
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from itertools import product
 from math import isfinite, nan, prod
 from pathlib import Path
@@ -40,7 +41,9 @@ class SamplingTable(Table):
     indices: bool = False
     file: str | None = Field(None, min_length=1)
 
-    is_drawn = property(lambda self: self.method in ("lhs", "sobol"))  # whether points are drawn from distributions
+    @property
+    def is_drawn(self) -> bool:  # whether points are drawn from distributions
+        return self.method in ("lhs", "sobol")
 
     def _faults(self) -> Iterator[str]:
         method, samples = self.method, self.samples
@@ -133,7 +136,8 @@ class Study(NamedTuple):
     listed: str | None = None  # text of the CSV table of points
 
 
-class Design(NamedTuple):
+@dataclass(frozen=True)
+class Design:
     """The points of a study in a fixed order: on a grid the last parameter changes fastest."""
 
     keys: tuple[str, ...]  # dotted keys of the scene

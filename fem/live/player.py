@@ -313,11 +313,13 @@ class Player:
             "rollers": bearing.n_rollers, "pockets": bearing.pockets, "roller": bearing.roller_radius / MM,
             "inner": bearing.inner_raceway_radius / MM, "outer": bearing.outer_raceway_radius / MM,
             "bore": bearing.core_radius / MM, "outside": bearing.outside_radius / MM,
-            "play": None if self._cage is None else self._cage.pocket_clearance / MM, "spalls": [
+            "play": None if self._cage is None else self._cage.pocket_clearance / MM,
+            "spalls": [
                 dict(body=fault.body, roller=fault.roller, angle=fault.angle,
                      half=fault.half_opening(bearing.roller_radius) / own_radius(bearing, fault))
                 for fault in bearing.faults if isinstance(fault, Spall)
-            ], "lines": [dict(name=k, frequency=f, meaning=LINES[k]) for k, f in self._frequencies.items() if f > 0.0],
+            ],
+            "lines": [dict(name=k, frequency=f, meaning=LINES[k]) for k, f in self._frequencies.items() if f > 0.0],
             "faults": [dict(name=k, frequency=f) for k, f in self.fault_lines().items() if f > 0.0],
             "slices": None if axial is None else _short(axial.centres(bearing) / MM),
             "length": bearing.roller_length / MM, "step": self.plan.time_step / UM, "start": scene.numerics.start,
@@ -346,10 +348,12 @@ class Player:
             "inner": _short(now["inner_force"], 2), "outer": _short(now["outer_force"], 2),
             "pressures": None if self._pressures is None else _short(self._pressures / MPA, 0),
             "orbit": _short(self.record.orbit() / UM, 4), "frequency": _short(frequency, 1),
-            "amplitude": [[float(f"{value:.4g}") for value in axis] for axis in amplitude], "envelope": {
+            "amplitude": [[float(f"{value:.4g}") for value in axis] for axis in amplitude],
+            "envelope": {
                 "bin": step, "amplitude": [float(f"{value:.3g}") for value in envelope / G],
                 "lines": {name: value / G for name, value in at_lines.items()},
-            }, "record": self.record.length / MM, "imbalance": self._imbalance, "balanced": self._imbalance <= LIMIT,
+            },
+            "record": self.record.length / MM, "imbalance": self._imbalance, "balanced": self._imbalance <= LIMIT,
             "cautions": self.warnings(),
         }  # fmt: skip
 

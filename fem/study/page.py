@@ -44,10 +44,12 @@ def write_page(points: Points, folder: Folder, dataset: Dataset) -> None:
         sobol=Section(columns=("quantity", "parameter", "alone", "with others"), rows=[
             (column.meaning, name_in_words(name), f"{first:.3f}", f"{total:.3f}")
             for column, found in sobol for name, first, total in zip(points.design.names, *found, strict=True)
-        ]), unsampled=unsampled, figures=study_figures(table, sobol),
+        ]),
+        unsampled=unsampled, figures=study_figures(table, sobol),
         points=Section(columns=("point", *(column.label for column in columns)), rows=[
             [str(i), *(column.shown(column.values[i]) for column in columns)] for i in range(min(n, MOST_ROWS))
-        ]), failed=Section(columns=("point", "status", "reason"), rows=failed[:MOST_ROWS], kind="words"),
+        ]),
+        failed=Section(columns=("point", "status", "reason"), rows=failed[:MOST_ROWS], kind="words"),
         more=n - MOST_ROWS, left_out=len(failed) - MOST_ROWS,
         facts=Section(columns=(), rows=_facts(table, dataset), kind="words"),
         version=dataset.attrs["program_version"], study=study.text, scene=study.scene.to_toml(),

@@ -111,7 +111,7 @@ class DrawnBearing(NamedTuple):
 
     data: np.ndarray  # (n_nodes, _COLUMNS)
     triangles: np.ndarray  # (n_triangles, 3)
-    cells: tuple[np.ndarray, ...]  # the finite elements' corners, of elastic bodies, for their edges
+    cells: tuple[np.ndarray, ...]  # the finite elements' corners, of elastic bodies
     circles: tuple[np.ndarray, ...]  # nodes of the outlines: bore, inner and outer raceway, outside, rollers
     loads: list[BodyLoad]
     spacing: float  # m, of a roller's surface nodes
@@ -156,14 +156,6 @@ class DrawnBearing(NamedTuple):
             return np.hypot(*self.data[:, _MOTION].T)
         stress = self.stress()
         return von_mises(stress, self.data[:, _POISSON]) if field == "von-mises" else max_shear(stress)
-
-    def inner_edges(self) -> np.ndarray:
-        """Edges of the finite elements but those on outlines, (n, 2) nodes."""
-        edges = np.concatenate([np.stack([c, np.roll(c, -1, axis=1)], axis=-1).reshape(-1, 2) for c in self.cells])
-        edges = np.unique(np.sort(edges, axis=1), axis=0)
-        rim = np.zeros(len(self.data), dtype=bool)
-        rim[np.concatenate(self.circles)] = True
-        return edges[~rim[edges].all(axis=1)]
 
     def near(self, point: np.ndarray, distance: float) -> "DrawnBearing":
         """Only the triangles with a corner within a distance, m, of a point of the reference."""

@@ -35,7 +35,7 @@ TITLE, HEADING, TEXT, SMALL = 38.0, 26.0, 23.0, 19.0  # pixels of 1600
 TIP = 7.8  # pixels: half the ends of a length bar
 RELATIVE = 0.33  # triangles over their distance from the contact
 OUTLINE, SPALL = 1.6, 3.5  # pixels
-WIRE, FINEST_WIRES = 0.7, 6.0  # pixels; a finer mesh is not shown
+WIRE, FINEST_WIRES = (0.7, 0.12), 6.0  # pixels, opacity, drawn twice between elements; a finer mesh is not shown
 HOUSING, LOAD_ZONE, SHAFT, FAINT, FORCE = "#e3e3e3", "#f5dca8", "#f4f4f4", "#8a8a8a", "#d7301f"
 CAGE, ORBIT_DOT = "#c9b28a", "#0072b2"
 PACKED = 1  # of PNG; 6 takes twice the time for a tenth less room
@@ -141,13 +141,13 @@ def _bodies(plane: Panel, sketch: Drawing, fine: DrawnBearing, scale: Scale, uni
     for part in (~is_roller, is_roller):  # above: where one lies in a spall, magnified, it overlaps the ring
         if part.any():
             plane.field(fine.points(magnification), fine.triangles[part], values, scale)
+    for cells in drawn.cells if mesh and drawn.spacing > FINEST_WIRES * pixel else ():
+        plane.stroke(drawn.points(magnification)[np.column_stack([cells, cells[:, 0]])], "white", *WIRE)
     plane.stroke(drawn.outlines(magnification), INK, OUTLINE)
     holes = bodies.holes(sketch, OUTLINE * pixel, as_reached=page)
     for hole in holes:
         plane.strip(hole.top, hole.bottom, "white")
         plane.stroke(hole.edge, FAULT, SPALL)
-    if mesh and drawn.spacing > FINEST_WIRES * pixel:
-        plane.stroke(drawn.points(magnification)[drawn.inner_edges()], "white", WIRE, 0.22)
     return holes
 
 

@@ -9,7 +9,7 @@ import shutil
 import signal
 import subprocess
 import time
-from contextlib import contextmanager
+from contextlib import nullcontext
 
 import h5py
 import numpy as np
@@ -68,32 +68,23 @@ def content(path):
         return found
 
 
-@contextmanager
-def interrupted_after(monkeypatch, looks, number):
-    """A signal comes after so many blocks of one sample."""
-    count = itertools.count(1)
-
-    @contextmanager
-    def display(plan, quiet):
-        yield lambda progress: os.kill(os.getpid(), number) if next(count) == looks else None
-
-    with monkeypatch.context() as patch:
-        patch.setattr("fem.runner.progress_display", display)
-        patch.setattr("fem.solver.simulate.BLOCK_SECONDS", 0.0)
-        yield
-
-
 @each_case
 @pytest.mark.parametrize("looks", [1, 17, pytest.param(130, marks=pytest.mark.slow), 201, 270])
 def test_a_run_that_is_stopped_and_resumed_is_the_uninterrupted_one(case, looks, tmp_path, monkeypatch, capsys):
-    """201 samples; where the run refines, it is stopped in both passes and just between them."""
     refines = RATTLE[-1] in case
     if looks > 200 and not refines:
         pytest.skip("over by then")
     whole, path, before = tmp_path / "whole.nc", tmp_path / "stopped.nc", signal.getsignal(signal.SIGTERM)
-    number = signal.SIGTERM if looks == 17 else signal.SIGINT
+    number, count = signal.SIGTERM if looks == 17 else signal.SIGINT, itertools.count(1)
+
+    def watch(progress):  # a signal comes after so many blocks of one sample
+        if next(count) == looks:
+            os.kill(os.getpid(), number)
+
     assert run(case, whole, "--quiet") == 0
-    with interrupted_after(monkeypatch, looks, number):
+    with monkeypatch.context() as patch:
+        patch.setattr("fem.runner.progress_display", lambda *_: nullcontext(watch))
+        patch.setattr("fem.solver.simulate.BLOCK_SECONDS", 0.0)
         assert run(case, path, "--quiet") == 128 + number
     assert signal.getsignal(signal.SIGTERM) is before and attributes(path)["status"] == "interrupted"
     count = attributes(path)["committed_samples"]

@@ -187,7 +187,7 @@ def _rings_kick_and_weight(inner, outer, cosines, sines, weight):
 def _rings_drift(inner, outer, radii, grown):
     _, u, w, _, first, last = inner
     rings.drift((u, w, w), radii, grown, 1e-12, (1.0, 1e-12), (first, last, -1))
-    _, u, w, first, last = outer
+    _, u, w, _, first, last = outer
     rings.drift_still(u, w, 1e-12, first, last)
 
 

@@ -83,7 +83,7 @@ def _are_near(contacts, row):
 
 @part
 def _meet(pair, rollers, disc, contacts):
-    """Overlaps of a pair's undeformed circles, normals and outward directions on both sides."""
+    """Overlaps of a pair's undeformed circles, normals, and patches on both sides."""
     forces, patches, centre, columns, n = contacts.forces, contacts.patches, rollers.centre, rollers.columns, rollers.n
     cosine, sine, sign, side = rollers.cosine, rollers.sine, pair.sign, 2 * pair.row
     for group in range(0, n, WIDTH):
@@ -117,21 +117,23 @@ def _meet(pair, rollers, disc, contacts):
         store_pair(patches.outward, 2 * side * columns + group, columns, c_0 * nx + s_0 * ny, c_0 * ny - s_0 * nx)
         bx, by = -sign * (c * nx + s * ny), sign * (s * nx - c * ny)
         store_pair(patches.outward, 2 * (side + 1) * columns + group, columns, bx, by)
+        surfaces.locate_patch(first_surface(pair, disc), patches, side, group)
+        surfaces.locate_patch(disc, patches, side + 1, group)
 
 
 @part
 def _read(pair, rollers, disc, contacts):
-    """Where a pair's patches lie, and how they move."""
     patches, side, columns, n = contacts.patches, 2 * pair.row, rollers.columns, rollers.n
     for group in range(0, n, WIDTH):
         if _are_near(contacts, pair.row * columns + group):
             _keep_motion(first_surface(pair, disc), patches, side, group, count_from(group))
+    for group in range(0, n, WIDTH):
+        if _are_near(contacts, pair.row * columns + group):
             _keep_motion(disc, patches, side + 1, group, second_rollers(pair, group, n))
 
 
 @part
 def _keep_motion(surface, patches, side, group, column):
-    surfaces.locate_patch(surface, patches, side, group)
     motion = surfaces.interpolate_displacement(surface, patches, side, group, column)
     out, sideways, rate, ripple, ripple_rate = motion
     at, columns = 5 * side * patches.columns + group, patches.columns

@@ -205,7 +205,8 @@ def drift_slowed(slowed, motion, calmed, dt, rows):
 @part(inlined=False)
 def wrap(u, at, width):
     """Repeat the first eight sectors and the last one of both lines of `width` from index `at` on in their halos."""
-    for line in range(at, at + 2 * width, width):
+    for component in range(2):
+        line = at + component * width
         last = line + width - HALO
         store(u, line + HALO - 1, gather(u, last - 1))
         store(u, last, load(u, line + HALO))

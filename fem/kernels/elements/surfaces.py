@@ -413,7 +413,8 @@ def ghost_nodes(surface, what):
     """
     if isinstance(surface, RingSurface):
         w, width = surface.w, surface.cosines.size
-        for first in range(2 * surface.row * width + HALO, 2 * (surface.row + 1) * width, width):
+        for component in range(2):
+            first = (2 * surface.row + component) * width + HALO
             ghosts = first + width - 2 * HALO
             if what == GIVE:
                 store(w, first, load(w, first) + load(w, ghosts))

@@ -317,7 +317,8 @@ def test_runs_hit_by_their_load_move_as_their_own_forces_say_and_go_on_bit_for_b
     energies = result.energies
     stored = np.ptp(energies["energy_support" if "support" in tables else "energy_shaft"])
     exchanged = np.ptp(energies["energy_elastic"] + energies["energy_contact"])
-    assert stored > (3e-3 if "support" in tables else 0.2 * exchanged) and energies["work_dissipated"][-1] > 1e-3
+    least, lost = (3e-3, 1e-3) if "support" in tables else (0.2 * exchanged, 1e-6)
+    assert stored > least and energies["work_dissipated"][-1] > lost, "it swings and is damped"
     assert np.ptp(kit.energy_left(result)) < energy * (stored if "support" in tables else exchanged)
     for terms in budget_terms(result.residual()) if hub else ():
         assert np.std(terms["ring_flexibility"]) < hub

@@ -304,7 +304,7 @@ LAGRANGE = {"model": "lagrange", "support": IN_LIGHT}
     (LAGRANGE | {"lagrange": {"angles": "free"}, "operation": TO_THE_GROUND}, 2e-4, 2e-6, BOTH_AXES),
     (LAGRANGE, 2e-4, 2e-6, None), (LAGRANGE | {"operation": TO_THE_GROUND}, 2e-4, 2e-6, None),
     (LAGRANGE | {"damping": {"contact_N_s_m": 200.0}, "operation": TO_THE_GROUND}, 2e-4, 2e-6, None),
-    ({"model": "fem", "operation": SPRINGS}, 1e-4, 5.0, None),  # inertia of an elastic ring
+    ({"model": "fem", "operation": SPRINGS}, 5e-5, 5.0, None),  # inertia of an elastic ring
     ({"model": "reduced", "operation": SPRINGS}, 1e-4, 0.1, None),
 ], ids=["fem", "fem, rigid ring", "reduced", "reduced, damped", "free angles", "free angles, shaft", "held angles",
         "held angles, shaft", "held angles, damped", "fem on a shaft", "reduced on a shaft"])  # fmt: skip
@@ -313,13 +313,15 @@ def test_runs_hit_by_their_load_move_as_their_own_forces_say_and_go_on_bit_for_b
     forces leave of the hub's equation, N, and of the housing's inertia along x and y, but for what gives ẋ."""
     tables = tables | ({"sensor": {}} if "support" in tables else {})
     numerics = {"duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.2, "mesh_size_mm": 2.0}
-    result = run_scene(parse_scene(tables | {"numerics": numerics | {"output_interval_us": 2.0}}, ""))
-    energies = result.energies
+    fine = {} if tables["model"] == "fem" else {"output_interval_us": 2.0}
+    result = run_scene(parse_scene(tables | {"numerics": numerics | fine}, ""))
+    energies, left = result.energies, kit.energy_left(result)
     stored = np.ptp(energies["energy_support" if "support" in tables else "energy_shaft"])
     exchanged = np.ptp(energies["energy_elastic"] + energies["energy_contact"])
     least, lost = (3e-3, 1e-3) if "support" in tables else (0.2 * exchanged, 1e-6)
     assert stored > least and energies["work_dissipated"][-1] > lost, "it swings and is damped"
-    assert np.ptp(kit.energy_left(result)) < energy * (stored if "support" in tables else exchanged)
+    off = np.abs(left - left[0]).max() if tables["model"] == "fem" else np.ptp(left)
+    assert off < energy * (stored if "support" in tables else exchanged)
     for terms in budget_terms(result.residual()) if hub else ():
         assert np.std(terms["ring_flexibility"]) < hub
     if housing:

@@ -6,7 +6,5 @@ from meshes.export import Quality, quality
 from meshes.graded import GradedAnnulus, GradedDisc
 from meshes.shapes import Annulus, Disc, Mesh, Shape
 
-__all__ = [
-    "Annulus", "BearingShapes", "Disc", "GradedAnnulus", "GradedDisc", "Mesh", "Quality", "Shape", "bearing_shapes",
-    "graded_shapes", "mesh_of", "quality",
-]  # fmt: skip
+__all__ = ["Annulus", "BearingShapes", "Disc", "GradedAnnulus", "GradedDisc", "Mesh", "Quality", "Shape",
+           "bearing_shapes", "graded_shapes", "mesh_of", "quality"]  # fmt: skip

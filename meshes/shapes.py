@@ -184,14 +184,11 @@ def _draw_annulus(model, ring: Annulus | GradedAnnulus) -> None:
 
 def expected_points(shape: Shape) -> np.ndarray:
     """Where the nodes of a shape belong, (n_points, 2), m: by radius, then by angle from 0."""
-    if isinstance(shape, Disc | GradedDisc):
-        rows = shape.rows
-    else:
-        rows = [Row(radius, shape.sectors) for radius in shape.radii]
-    angles = [2.0 * pi * (np.arange(row.nodes) + row.shift) / row.nodes for row in rows]
-    return np.concatenate(
-        [row.radius * np.column_stack([np.cos(a), np.sin(a)]) for row, a in zip(rows, angles, strict=True)]
-    )
+    is_round = isinstance(shape, Disc | GradedDisc)
+    rows = shape.rows if is_round else [Row(radius, shape.sectors) for radius in shape.radii]
+    radius = np.concatenate([np.full(row.nodes, row.radius) for row in rows])
+    angle = np.concatenate([2.0 * pi * (np.arange(row.nodes) + row.shift) / row.nodes for row in rows])
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
 
 
 def used_points(tags, points, cells) -> tuple[np.ndarray, np.ndarray]:

@@ -117,9 +117,8 @@ def _force_terms(record, contacts, push):
     spring = record.inner_force if damper is None else record.inner_force - damper
     found = {"contact_law": np.array(contact_resultant(contacts, spring - push.spring))}
     if push.moment is not None and record.inner_moment is not None:  # that of tilted contacts' moments too
-        found["contact_law"] = found["contact_law"] + moment_resultant(
-            record, contacts, record.inner_moment - push.moment
-        )
+        aside = moment_resultant(record, contacts, record.inner_moment - push.moment)
+        found["contact_law"] = found["contact_law"] + aside
     if damper is not None or isinstance(push.damper, np.ndarray):
         found["damping"] = np.array(contact_resultant(contacts, (0.0 if damper is None else damper) - push.damper))
     if record.inner_traction is not None:

@@ -248,7 +248,7 @@ def evaluate(
         errs.note if errs is not None and hypot(*errs.error) > max(sound, noise) else None, *notes,
         _speed_note(used, tracking) if used.varies_speed else None,
         *(one.unresolved_note(x.spectrum.resolution) for one, _ in watched if not one.resolved),
-        *sampling.rate_notes(max(x.resonance, y.resonance), interval, order),
+        sampling.rate_note(max(x.resonance, y.resonance), interval, order),
         None if settled is None or changes else settled.note,  # what changes with the load or the speed is no transient
         coarse.note if coarse is not None and coarse.seldom else None,
     ]  # fmt: skip

@@ -104,20 +104,16 @@ def too_coarse(record: Record, law: Law, approach, directions, least: float, mos
     return found if found.seldom and found.left > max(FOLDED * found.floor, least) else None
 
 
-def rate_notes(resonance: float, interval: float, order: int) -> list[str]:
-    """Say whether the record is sampled too coarsely for the inner ring's own vibration."""
-    nyquist, lower = 0.5 / interval, "lower numerics.output_interval_us"
+def rate_note(resonance: float, interval: float, order: int) -> str | None:
+    """Whether the record is sampled too coarsely for the inner ring's own vibration; None: it is not."""
+    nyquist, remedy, place = 0.5 / interval, "lower numerics.output_interval_us", f"about {resonance:.3g} Hz"
     if resonance >= nyquist:
-        return [
-            f"the Nyquist frequency {nyquist:.4g} Hz lies below the inner ring's resonance, about {resonance:.3g} Hz: "
-            f"vibration there is aliased and the inertia force is wrong; {lower}"
-        ]
+        low = f"the Nyquist frequency {nyquist:.4g} Hz lies below the inner ring's resonance, {place}"
+        return f"{low}: vibration there is aliased and the inertia force is wrong; {remedy}"
     if resonance == 0.0 or (gain := response(resonance, interval, order)) >= STENCIL_GAIN:
-        return []
-    return [
-        f"at the inner ring's resonance, about {resonance:.3g} Hz, the stencil reads {100 * (1 - gain):.0f} % of "
-        f"the inertia force too low; {lower} or use a higher --order"
-    ]
+        return None
+    low = f"the stencil reads {100 * (1 - gain):.0f} % of the inertia force too low"
+    return f"at the inner ring's resonance, {place}, {low}; {remedy} or use a higher --order"
 
 
 class PositionNoise(NamedTuple):

@@ -342,7 +342,7 @@ def tracking_of(record: Record) -> Tracking | None:
     inner, outer = (np.asarray(each) for each in record.acting.ring_speeds)
     ring, speed = ("shaft", inner) if np.any(inner) else (OUTER_RING, outer)
     fast = np.sign(speed) * (np.abs(speed) >= SLOWEST * np.abs(speed).max())
-    ends = np.concatenate([[0], 1 + np.flatnonzero(np.diff(fast)), [speed.size]]).tolist()
+    ends = np.concatenate([[0], 1 + np.flatnonzero(np.diff(fast)), [speed.size]])
     first, last = max(((a, b) for a, b in pairwise(ends) if fast[a] != 0.0), key=lambda e: e[1] - e[0])
     part = slice(first, last)
     time, way = record.time[part], turned(record.bearing, record.operation, record.time[part])

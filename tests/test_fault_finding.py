@@ -120,7 +120,7 @@ def test_surfaces_without_a_spall_have_none(surfaces):
     assert made.found == () and "No spall found" in search_sentences(made)[0]
 
 
-def test_the_search_sees_neither_the_scenes_surfaces_nor_forces():
+def test_the_search_sees_neither_surfaces_nor_forces_and_refuses_what_stands_or_is_sampled_too_coarsely():
     """What it finds is the same to the last digit with the scene's tables and forces as without and with wrong ones."""
     told = recorded("spall.0.width_mm=0.5", "spall.0.angle_deg=10", milliseconds=30)
     keys = "model=reduced", "numerics.duration_ms=30"
@@ -135,6 +135,11 @@ def test_the_search_sees_neither_the_scenes_surfaces_nor_forces():
     assert roller_motion(told).bearing == roller_motion(replace(told, scene=plain)).bearing
     rolled = roller_motion(replace(told, roller_turn=None)).roller_turn  # of a table: on the outer raceway
     np.testing.assert_allclose(rolled[:1000], told.roller_turn[:1000], atol=2e-3)
+    operation = plain.operation.model_copy(update={"speed_rpm": 0.0})
+    with pytest.raises(InputError, match="the bearing stands"):
+        find_faults(replace(told, scene=plain.model_copy(update={"operation": operation})))
+    with pytest.raises(InputError, match=r"mm from sample to sample.*store more often"):
+        find_faults(replace(told.samples(slice(None, None, 10)), roller_turn=None))
 
 
 def test_only_the_deepest_place_of_a_map_that_stands_out_does_and_arcs_that_were_not_seen_are_told_as_scenes_count():
@@ -157,15 +162,6 @@ def test_only_the_deepest_place_of_a_map_that_stands_out_does_and_arcs_that_were
     told = unseen_in_words(SinkageMap(place=OUTER, height=height))
     assert told.count(" to ") == 4 and "−180 to −135°" in told and told.endswith("; and 28 shorter arcs)")
     assert unseen_in_words(SinkageMap(place=OUTER, height=np.zeros(360))) == ""
-
-
-def test_a_standing_bearing_and_one_sampled_too_coarsely_are_refused():
-    record = recorded(milliseconds=5)
-    operation = record.scene.operation.model_copy(update={"speed_rpm": 0.0})
-    with pytest.raises(InputError, match="the bearing stands"):
-        find_faults(replace(record, scene=record.scene.model_copy(update={"operation": operation})))
-    with pytest.raises(InputError, match=r"mm from sample to sample.*store more often"):
-        find_faults(replace(record.samples(slice(None, None, 10)), roller_turn=None))
 
 
 @pytest.mark.usefixtures("plain_report")

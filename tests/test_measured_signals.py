@@ -155,15 +155,13 @@ def told(tmp_path, values, time=TIME):
     return signal_of(tmp_path, rows(head=HEAD, columns=(time, values)).replace("nan", ""))
 
 
-def test_faults_of_a_record_are_told(tmp_path):
+def test_faults_of_a_record_are_told_and_its_longest_piece_is_taken(tmp_path):
     dropped = np.where((np.arange(2000) >= 500) & (np.arange(2000) < 580), WAVE[500], WAVE)
     faulty = {"saturated": np.clip(WAVE, -0.7, 0.7), "was removed": WAVE + 5.0, "drops out 1 times": dropped}
     for note, values in {"": WAVE, **faulty}.items():
         signal = told(tmp_path, values)
         assert (note in signal.notes[0] if note else signal.notes == ()) and abs(signal.values.mean()) < 1e-9
-
-
-def test_longest_piece_between_missing_samples_is_taken_and_a_gap_in_time_does_not_change_the_rate(tmp_path):
+    # the longest piece between missing samples is taken, and a gap in time does not change the rate
     values = WAVE.copy()
     values[[100, 101, 1900]] = np.nan
     signal = told(tmp_path, values)
@@ -201,14 +199,6 @@ def test_a_given_rate_decides_with_a_note_and_no_file_marks_of_thousands_and_dat
             signal_of(tmp_path, text, rate=RATE)
 
 
-def test_each_channel_of_a_matlab_file_has_rate_times_and_unit_of_its_own_struct(tmp_path):
-    runs = {"a": {"x": WAVE, "fs": RATE, "unit": "g"}, "b": {"x": WAVE, "fs": 1000.0}, "c": {"x": WAVE, "t": TIME}}
-    savemat(tmp_path / "runs.mat", runs | {"d": {"x": WAVE, "t": 10.0 * TIME, "units": "mm/s"}})
-    found = [read_signal(tmp_path / "runs.mat", channel=f"{name}.x") for name in "abcd"]
-    np.testing.assert_allclose([signal.rate for signal in found], [RATE, 1000.0, RATE, 0.1 * RATE])
-    assert [signal.unit for signal in found] == ["m/s²", "", "", "m/s"]
-
-
 class Channel(np.ndarray):
     """A channel of a TDMS file as nptdms gives it."""
 
@@ -243,6 +233,12 @@ def test_channels_of_other_programs_have_their_own_rates_and_spectra_are_none(tm
     del sets[1:3]
     with pytest.raises(InputError, match="2 data sets, none of them over time"):
         read_signal(tmp_path / "a.unv", rate=RATE)
+    # as each of a MATLAB file has rate, times and unit of its own struct
+    runs = {"a": {"x": WAVE, "fs": RATE, "unit": "g"}, "b": {"x": WAVE, "fs": 1000.0}, "c": {"x": WAVE, "t": TIME}}
+    savemat(tmp_path / "runs.mat", runs | {"d": {"x": WAVE, "t": 10.0 * TIME, "units": "mm/s"}})
+    found = [read_signal(tmp_path / "runs.mat", channel=f"{name}.x") for name in "abcd"]
+    np.testing.assert_allclose([signal.rate for signal in found], [RATE, 1000.0, RATE, 0.1 * RATE])
+    assert [signal.unit for signal in found] == ["m/s²", "", "", "m/s"]
 
 
 COLUMN = rows(columns=(WAVE,))

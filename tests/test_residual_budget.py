@@ -96,7 +96,6 @@ def test_start_skips_exactly_the_transient_and_the_load_ramp_of_a_start_from_res
     assert any("Nyquist" in note for note in found.notes)
 
 
-# Stencils: order, exactness, error floor
 OMEGA = 2 * np.pi * 40.0
 
 
@@ -177,7 +176,6 @@ def test_unknown_stencils_and_too_short_records_are_refused():
             derivative(np.zeros(samples), 1.0, order=order)
 
 
-# Laws fitted to a run's own forces: the right numbers, honest intervals, judged on the part held back
 STIFFNESS, EXPONENT = 1.1e9, 1.09
 SPRING = PowerLaw(name="true", stiffness=STIFFNESS, exponent=EXPONENT, source="")
 
@@ -196,7 +194,8 @@ def power(depth):
     return STIFFNESS * np.maximum(depth, 0.0) ** EXPONENT
 
 
-def test_a_law_and_damping_beside_it_are_found_again_and_the_part_held_back_is_not_seen():
+def test_a_law_and_damping_beside_it_are_found_again_and_a_damper_never_pulls():
+    """The part held back is not seen."""
     force = power(DEPTH)
     found = fit_law(DEPTH, force, bridge=5)
     assert found.stiffness.value == pytest.approx(STIFFNESS, rel=1e-8)
@@ -213,6 +212,15 @@ def test_a_law_and_damping_beside_it_are_found_again_and_the_part_held_back_is_n
     force = np.where(DEPTH > 0.0, np.maximum(power(DEPTH) + noise, 0.0), 0.0)
     found = fit_law(DEPTH, force, bridge=5, closing_speed=SPEED)
     assert found.damping.low < 0.0 < found.damping.high < found.damping.low + 100.0
+    # a damper pushes only where the spring does and never pulls; passages bridge chatter
+    spring = PowerLaw(name="true", stiffness=1.0, exponent=1.0, source="")
+    law = DampedLaw(spring=spring, damping=ContactDamping(constant=2.0))
+    found = law.pushes(np.array([1.0, 1.0, 1.0, -1.0]), np.array([0.5, -0.2, -3.0, 5.0])).force
+    np.testing.assert_array_equal(found, [2.0, 0.6, 0.0, 0.0])
+    closed = np.zeros((20, 2), dtype=bool)
+    closed[2:6, 0] = closed[8:12, 0] = closed[16:, 0] = True
+    number = passage_numbers(closed, bridge=2)
+    assert number[3, 0] == number[9, 0] != number[18, 0] and number[:, 1].max() == -1
 
 
 EVEN = np.full((200, 13), 1e-6)
@@ -232,17 +240,6 @@ def test_data_that_fix_no_law_are_refused_in_a_sentence(kind):
         fit_law(depth, force, bridge=5, closing_speed=speed)
 
 
-def test_a_damper_pushes_only_where_the_spring_does_and_never_pulls_and_passages_bridge_chatter():
-    spring = PowerLaw(name="true", stiffness=1.0, exponent=1.0, source="")
-    law = DampedLaw(spring=spring, damping=ContactDamping(constant=2.0))
-    found = law.pushes(np.array([1.0, 1.0, 1.0, -1.0]), np.array([0.5, -0.2, -3.0, 5.0])).force
-    np.testing.assert_array_equal(found, [2.0, 0.6, 0.0, 0.0])
-    closed = np.zeros((20, 2), dtype=bool)
-    closed[2:6, 0] = closed[8:12, 0] = closed[16:, 0] = True
-    number = passage_numbers(closed, bridge=2)
-    assert number[3, 0] == number[9, 0] != number[18, 0] and number[:, 1].max() == -1
-
-
 def test_intervals_cover_the_truth_though_samples_of_a_passage_are_correlated():
     """Each passage errs by one factor of its own: 95 % intervals must hold about that often."""
     depth, covered = load_zone(600, turns=2.0), []
@@ -256,7 +253,7 @@ def test_intervals_cover_the_truth_though_samples_of_a_passage_are_correlated():
     assert np.all(share > 0.85) and np.all(share < 0.999)
 
 
-def test_law_of_a_run_is_fitted_its_error_disappears_and_the_verdict_goes_by_the_held_back_part(run, evaluation):
+def test_law_of_a_run_is_fitted_judged_by_the_held_back_part_and_ranked_among_others(run, evaluation):
     """The run's forces are 0.95 of Harris's: K is, n is Harris's, and no contact-law term is left."""
     fitted = evaluate(evaluation.record, "fitted")
     harris = steel_law("harris", run.scene.ideal_bearing().roller_length)
@@ -267,11 +264,9 @@ def test_law_of_a_run_is_fitted_its_error_disappears_and_the_verdict_goes_by_the
     np.testing.assert_allclose(given.budget.y.error, fitted.budget.y.error, atol=1e-9)
     held_back = fitted.budget.y.error[fitted.identification.samples :]
     assert fitted.judged[1].rms == pytest.approx(np.sqrt(np.mean(held_back**2)), rel=1e-12)
-
-
-def test_ranking_agrees_with_an_evaluation_under_each_law(evaluation):
+    # the ranking agrees with an evaluation under each law
     ranked = evaluate(evaluation.record, "palmgren", fit=True)
-    late = slice(ranked.identified["fitted"].samples, None)
+    late = slice(fitted.identification.samples, None)
     assert [s.rms for s in ranked.laws] == sorted(s.rms for s in ranked.laws)
     for law in ("harris", "fitted", "johnson", "teutsch_sauer"):
         alone, score = evaluate(evaluation.record, law).budget, ranked.score(law)
@@ -299,7 +294,6 @@ def test_fitted_law_explains_a_simulated_run(coarse_run):
     assert damping.low < 0.0 < damping.high
 
 
-# A cage: its forces are a term of the budget, its motion a figure and numbers of the summary
 FORWARD, MOMENT, GUIDED = 30.0, -0.02, (3.0, -4.0)  # N, N m, N: on every roller, on the cage
 AGAINST = -0.5 * FORWARD + 0.5 * MOMENT / 0.005  # N, of the inner raceway on the roller
 GUIDE = {"guidance": "inner_ring", "guidance_clearance_mm": 0.1}

@@ -6,7 +6,6 @@ import re
 import shutil
 import signal
 import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -34,17 +33,9 @@ from residual.sampling import stationarity
 from residual.sources import read_result, read_table
 from residual.spectrum import find_peaks, power_spectrum
 from residual.vibration import HUB, named_peaks
-from tests.reference.kit import ROOT
-from tests.reference.synthetic_run import (
-    exact_errors,
-    harris_force,
-    make_run,
-    recorded,
-    report_of,
-    run_variables,
-    write_result,
-    write_table,
-)
+from tests.reference import synthetic_run as made
+from tests.reference.kit import environment, read_json, started_as
+from tests.reference.synthetic_run import make_run, recorded, report_of, run_variables, write_result, write_table
 from tests.waiting import GIVE_UP, wait_until
 
 STEP = 1e-5  # s, of made-up runs
@@ -77,7 +68,7 @@ def test_table_with_a_known_residual_is_reproduced(tmp_path, capsys):
     run = make_run(n_times=6001, tone=3000.0, amplitude=2e-6)
     found, _, told, _ = checked(run, tmp_path, capsys)
     assert found["samples"] == 6001 and found["interval_s"] == pytest.approx(1e-5)
-    for name, exact in zip("xy", exact_errors(run), strict=True):
+    for name, exact in zip("xy", made.exact_errors(run), strict=True):
         numbers = {"std_N": exact.std(), "mean_N": exact.mean(), "max_abs_N": np.max(np.abs(exact)),
                    "rms_N": np.sqrt(np.mean(exact**2))}  # fmt: skip
         assert found[f"error_{name}"] == pytest.approx(numbers, rel=5e-3)
@@ -93,7 +84,7 @@ def test_report_folder_is_complete_its_page_fetches_nothing_and_escapes_names(ru
     odd = tmp_path / "a <b> & c-residual"
     names = {f"{figure}.{kind}" for figure in FIGURES.split() for kind in ("png", "svg")}
     assert {p.name for p in odd.iterdir()} == {"residual.nc", "summary.json", "report.html"} | names
-    found = json.loads((odd / "summary.json").read_text(encoding="utf-8"))
+    found = read_json(odd / "summary.json")
     contract = "interval_s start_s error_x frequency_resolution_Hz peaks_x peaks_y budget_x budget_y"
     assert set(contract.split()) <= set(found)
     assert (found["run"], found["law"], found["samples"]) == ("a <b> & c", "harris", 401)
@@ -142,8 +133,8 @@ def test_older_report_is_replaced_a_foreign_folder_is_not(run, tmp_path, monkeyp
         patch.setattr(report, "_write_arrays", lambda *_: open("/dev/full", "w", buffering=1).write("x\n"))
         assert main(options) == 2 and "No space left" in capsys.readouterr().err
     assert [p.name for p in tmp_path.iterdir()] == ["made.nc"] and main(options) == 0
-    made = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    (folder / "summary.json").write_text(json.dumps(made | {"samples": -1}))
+    earlier = read_json(folder / "summary.json")
+    (folder / "summary.json").write_text(json.dumps(earlier | {"samples": -1}))
     assert report_of(result, folder, *PLAIN)[0]["samples"] == 401
     (folder / "thesis.docx").write_text("dear")
     assert main(options) == 2 and "thesis.docx" in capsys.readouterr().err
@@ -155,9 +146,8 @@ def test_older_report_is_replaced_a_foreign_folder_is_not(run, tmp_path, monkeyp
 )
 def test_signals_end_it_without_a_report(which, code, tmp_path):
     path = write_result(tmp_path / "made.nc", make_run(n_times=6001))
-    process = subprocess.Popen(
-        [sys.executable, "-m", "residual.cli", str(path)], env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)  # fmt: skip
+    process = subprocess.Popen([*started_as("check-residual"), str(path)], env=environment(), stderr=subprocess.PIPE,
+                               stdout=subprocess.PIPE, text=True)  # fmt: skip
     wait_until(lambda: list(tmp_path.glob(".made-residual-*")), process)
     process.send_signal(which)
     _, err = process.communicate(timeout=GIVE_UP)
@@ -294,6 +284,11 @@ def test_a_hidden_damper_is_found_as_other_forces_and_the_first_sentence_tells_s
     assert found.startswith("The trajectories are not sound")
     assert f"{text(100 * worst / 2000, 3)} % of the load, and at most by {text(peak)} N" in found
     assert verdict(told, 1.0).startswith("Fails the tolerance of 1 N: the trajectories")
+    # a roller that barely touches is not loaded
+    own = told.record.inner_force
+    for least, loaded in ((0.0, (6, 7)), (0.009, (6, 7)), (0.011, (13, 13))):  # of the largest force
+        record = replace(told.record, inner_force=np.maximum(own, least * own.max()))
+        assert replace(told, record=record).loaded_range == loaded
 
 
 def test_the_hubs_resonance_and_two_lines_in_one_bin_are_named_and_noise_is_left_out():
@@ -310,14 +305,6 @@ def test_the_hubs_resonance_and_two_lines_in_one_bin_are_named_and_noise_is_left
     lines, faint = {"BPFO": 380.0}, spectrum(1e-9, 3000.0)
     for noise, told in ((0.0, True), (1e-6, False)):
         assert bool(named_peaks(find_peaks(faint, lines), faint, lines, 13_000.0, noise)) == told
-
-
-def test_a_roller_that_barely_touches_is_not_loaded(pair):
-    found = evaluate(read_result(pair[0]))
-    own = found.record.inner_force
-    for least, loaded in ((0.0, (6, 7)), (0.009, (6, 7)), (0.011, (13, 13))):  # of the largest force
-        record = replace(found.record, inner_force=np.maximum(own, least * own.max()))
-        assert replace(found, record=record).loaded_range == loaded
 
 
 # Two runs or two laws beside each other, a report without equations, the data for other programs
@@ -385,17 +372,12 @@ def test_signals_are_exported_as_csv_alone(pair, tmp_path, capsys):
 
 # What a check warns of in a record itself: vibration folded down, a beginning that is a transient
 # NU 206 (not E) by its makers' catalogues, a normal clearance, a shaft of 3 kg
-NU206 = """
-bearing = { rollers = 13, roller_diameter_mm = 7.5, roller_length_mm = 9.0, inner_raceway_diameter_mm = 38.5,
-    outer_raceway_diameter_mm = 53.54, bore_diameter_mm = 30.0, outside_diameter_mm = 62.0 }
-operation = { speed_rpm = 3000.0, radial_load_N = 1500.0, inner_ring_and_shaft_kg = 3.0 }
-numerics = { duration_ms = 6.0, mesh_size_mm = 2.0 }""".replace(",\n   ", ",")
-SPALLED = """
-model = "reduced"
-bearing.designation = "NU206"
-operation = { speed_rpm = 2950.0, radial_load_N = 3000.0 }
-numerics.duration_ms = 8.0
-spall = [{ body = "outer_ring", width_mm = 1.2 }]"""
+NU206 = "bearing = { rollers = 13, roller_diameter_mm = 7.5, roller_length_mm = 9.0, inner_raceway_diameter_mm = 38.5, "
+NU206 += "outer_raceway_diameter_mm = 53.54, bore_diameter_mm = 30.0, outside_diameter_mm = 62.0 }\n"
+NU206 += "operation = { speed_rpm = 3000.0, radial_load_N = 1500.0, inner_ring_and_shaft_kg = 3.0 }\n"
+NU206 += "numerics = { duration_ms = 6.0, mesh_size_mm = 2.0 }"
+SPALLED = 'model = "reduced"\nbearing.designation = "NU206"\nnumerics.duration_ms = 8.0\n'
+SPALLED += "operation = { speed_rpm = 2950.0, radial_load_N = 3000.0 }\nspall = [{ width_mm = 1.2 }]"
 PASSING = 400.0
 
 
@@ -447,7 +429,6 @@ def test_the_quarter_from_which_the_hub_swings_alike(amplitudes):
     assert stationarity(record, {}, 0.0) is None, "nothing passes"
 
 
-# What errors are compared with: the whole load, wherever it points and however it turns, or the contact forces
 TURNS = 75.0  # Hz, of the shaft
 MASS, GRAVITY = 0.078, 9.81
 UNBALANCE = 2000.0 / (2 * np.pi * TURNS) ** 2 * 1e6  # g mm
@@ -499,7 +480,6 @@ def test_contacts_are_as_stiff_whatever_the_direction_of_the_load(pair, rate):
     assert abs(motion.scale - 1.0) > 0.02  # the load matters: the law is scaled to carry it
 
 
-# Resolution and noise of a table's positions, found in them, and the error forces that they make
 HEAVY = 3.0  # kg
 PLACES = ("inner_x", "inner_y", "roller_x", "roller_y")
 
@@ -550,6 +530,6 @@ def test_white_noise_is_told_from_the_motion_and_its_force_is_that_of_its_second
     for each in (still, moved):
         x, y = each.roller_x - each.inner_x[:, None], each.roller_y - each.inner_y[:, None]
         away = np.hypot(x, y)
-        force = harris_force(b.inner_raceway_radius + b.roller_radius - away)
+        force = made.harris_force(b.inner_raceway_radius + b.roller_radius - away)
         pushes.append(np.sum(force * np.stack([x, y]) / away, axis=2))
     assert found.position_noise.law == pytest.approx(np.std(pushes[1] - pushes[0], axis=1), rel=0.1)

@@ -65,7 +65,6 @@ def test_two_records_beside_each_other_share_their_ordinate(tmp_path, monkeypatc
     assert upper == lower
 
 
-# The checker on surfaces that are not perfect: a fault left out of the equations shows, one in them is gone
 SURFACES = {
     "outer ring": "[[spall]]\nangle_deg = 1.5\nwidth_mm = 0.4\n",
     "inner ring": '[[spall]]\nbody = "inner_ring"\nangle_deg = -8\nwidth_mm = 0.4\ndepth_um = 2\n',
@@ -109,7 +108,6 @@ def test_rollers_are_where_their_own_spin_has_brought_them_and_a_result_file_tel
         assert "faults" not in file.attrs
 
 
-# Labels of ticks in figures: plain text that says what matplotlib's mathematical labels say
 LABELS = {
     r"$\mathdefault{10^{-3}}$": "10⁻³", r"$\mathdefault{10^{12}}$": "10¹²", "1e−5": "×10⁻⁵", "1e6": "×10⁶", "": "",
     r"$\mathdefault{2\times10^{-3}}$": "2×10⁻³", "0.25": "0.25",

@@ -52,7 +52,7 @@ def test_a_strike_is_the_first_large_peak_after_the_release(at, interval):
     assert found["strike"].force == pytest.approx(900.0, rel=0.01)
 
 
-def test_no_strike_where_a_roller_is_not_released_or_the_run_ends_before_it_is_known():
+def test_no_strike_where_a_roller_is_not_released_turns_back_or_the_run_ends_before_it_is_known():
     struck, both = struck_at(30.0), ["entry", "exit"]
     cases = (
         (lambda x: 300.0 + 60.0 * np.sin(0.1 * x), {}, both), (lambda x: 0.0, {}, both),
@@ -61,9 +61,7 @@ def test_no_strike_where_a_roller_is_not_released_or_the_run_ends_before_it_is_k
     )  # fmt: skip
     for force, limits, kinds in cases:
         assert [event.kind for event in spall_events([passage(force, **limits)])] == kinds
-
-
-def test_who_turns_back_leaves_by_the_edge_of_the_entry_and_steps_may_be_wider_than_the_spall():
+    # who turns back leaves by the edge of the entry, and steps may be wider than the spall
     there_and_back = np.concatenate([np.linspace(-2.0, 0.5, 6), np.linspace(0.0, -2.0, 5)]) * HALF
     wide = HALF * np.array([-2.5, 2.5])
     for angle, times in ((there_and_back, [2.0, 8.0]), (wide, [0.3, 0.7])):

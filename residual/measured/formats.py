@@ -33,10 +33,8 @@ RATES = tuple(  # "Sampling rate: 25.6 kHz", "Abtastrate;25600 Hz"; "Sampling fr
     )
 )
 GROUPS = re.compile(r"[1-9]\d{0,2}(?:[.,]\d{3})+")  # of thousands
-OF_SAMPLES = re.compile(r"fs\b|sampl|abtast|rate", re.IGNORECASE)  # said of a rate, not of any frequency
-OTHER = re.compile(
-    r"(?:shaft|rotation\w{0,9}|dreh|mains|filter|(?:cut)?-?off|resonan\w{0,9})[\s_]{0,9}$", re.IGNORECASE
-)  # frequency
+OF_SAMPLES = re.compile(r"(?i)fs\b|sampl|abtast|rate")  # said of a rate, not of any frequency
+OTHER = re.compile(r"(?i)(?:shaft|rotation\w{0,9}|dreh|mains|filter|(?:cut)?-?off|resonan\w{0,9})[\s_]{0,9}$")  # rate
 LONGEST_STATEMENT = 300  # characters of a line that states a rate
 
 

@@ -241,10 +241,8 @@ class Model:
             return found.tocsc()
 
         on_roller = [on(self.roller, kind, 2.0 * pi * kind / 3.0) for kind in range(3)]
-        return {
-            "roller": sparse.hstack(on_roller).tocsc(), "inner_ring": on(self.inner_ring, INNER),
-            "outer_ring": on(self.outer_ring, OUTER),
-        }  # fmt: skip
+        rings = {"inner_ring": on(self.inner_ring, INNER), "outer_ring": on(self.outer_ring, OUTER)}
+        return {"roller": sparse.hstack(on_roller).tocsc()} | rings
 
     def kernel_data(self, largest_force: float) -> KernelData:
         """What the time loop needs; with room for contacts wider than the largest static force, N, makes them."""

@@ -52,7 +52,7 @@ class SupportedRing(LooseRing):
     # width that the nodes of each point stand for, half an edge beyond either end, (n_points,), m
     held_width = property(lambda self: self.held_nodes * self.edge)
     # between nodes of the outside, m
-    edge = property(lambda self: 2.0 * np.pi * float(self.radii[self.held_row]) / self.n_sectors)
+    edge = property(lambda self: 2.0 * np.pi * self.radii[self.held_row] / self.n_sectors)
 
     @property
     def words(self) -> str:
@@ -92,13 +92,11 @@ class SupportedRing(LooseRing):
 def supported_ring(ring: RingBody, points: Points) -> SupportedRing:
     """An outer ring held at points: all nodes within their width, and the FEWEST nearest of each."""
     away = ring.angles - np.array(points.angles)[:, None]
-    apart = float(ring.radii[ring.held_row]) * np.abs(np.angle(np.exp(1j * away)))  # (n_points, n_sectors), m
+    apart = ring.radii[ring.held_row] * np.abs(np.angle(np.exp(1j * away)))  # (n_points, n_sectors), m
     held = apart <= 0.5 * points.width * (1.0 + 1e-9)
     np.put_along_axis(held, np.argsort(apart, axis=1, kind="stable")[:, :FEWEST], True, axis=1)
-    return SupportedRing(
-        **vars(replace(ring)), held_sectors=np.flatnonzero(held.any(axis=0)), held_nodes=held.sum(axis=1),
-        width=points.width,
-    )  # fmt: skip
+    sectors, nodes = np.flatnonzero(held.any(axis=0)), held.sum(axis=1)
+    return SupportedRing(**vars(replace(ring)), held_sectors=sectors, held_nodes=nodes, width=points.width)
 
 
 LOOSE_SPRING = 1.0  # N/m along x and along y, keeps in place a ring that nothing holds

@@ -21,8 +21,7 @@ RIGID = 1e-3  # of the highest frequency: a slower mode is a motion of the whole
 
 
 class Modes(NamedTuple):
-    """Modes of one body of so many waves around, slowest first, each with a twin a quarter wave further; modal masses
-    are 1 kg."""
+    """Modes of so many waves around, slowest first, each with a twin a quarter wave further; modal masses are 1 kg."""
 
     frequency: np.ndarray  # (n_modes,), rad/s
     shape: np.ndarray  # (n_modes,), kg^-½, surface displacement into the body

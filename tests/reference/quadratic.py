@@ -186,7 +186,7 @@ def resolved_disc(radius, material, line_load, half_widths):
 
 # ---- Bodies that must balance loads: they stand on springs until these carry nothing (proximal points).
 
-STILL = 1e-14  # m, in a step of these
+BALANCED = 1e-10  # of all forces
 
 
 def balanced(gaps, compliance: np.ndarray, load: np.ndarray, place: np.ndarray, spring: float):
@@ -201,7 +201,7 @@ def balanced(gaps, compliance: np.ndarray, load: np.ndarray, place: np.ndarray, 
         force = separated(gap - closing @ load / spring, on_springs, force > 0.0)
         left = load - closing.T @ force
         place = place + left / spring
-        if np.abs(left).max() < STILL * spring:
+        if np.abs(left).max() < BALANCED * max(force.sum(), 1.0):
             return force, place
     raise RuntimeError("no equilibrium")
 
@@ -238,7 +238,8 @@ def ring_in_bore(radii: tuple[float, float], material: Material, bed: float, pla
 
 FINEST, REACH = 0.25, 4.0  # side in the middle of a contact, over that at its edge; what is fine, over the half-width
 STRIBECK = 5.0  # largest roller load times the number of rollers over the bearing's load, about (Stribeck 1907)
-LOOSE = 1e3  # 1/m, of the load: springs that hold hub and rollers where they were last
+LOOSE = 1.0  # 1/m, of the load: springs that hold hub and rollers where they were last
+ASIDE = 1e-9  # m, where the hub starts, lest it stay balanced on a single roller
 
 
 class QuadraticStatics(NamedTuple):
@@ -354,7 +355,7 @@ def quadratic_statics(
         overlap = np.concatenate([inner + r - distance, place[2:] + r - outer])
         return fall - np.repeat(overlap, along.size), np.repeat(closing, along.size, axis=0)
 
-    start = np.append([0.0, 0.0], np.full(n, bearing.pitch_radius))
+    start = np.append([-ASIDE, 0.0], np.full(n, bearing.pitch_radius))
     force, place = balanced(gaps, compliance, load, start, LOOSE * radial_load)
     pressed, area = force.reshape(2, n, -1), length * bearing.roller_length
     assert not pressed[..., [0, -1]].any(), f"contacts are wider than the {along[-1]:.2g} m that the mesh resolves"

@@ -50,27 +50,18 @@ def test_every_key_and_table_of_the_scene_is_described_with_unit_and_limits(here
     assert keys["spall.width_mm"].default == 1.0 and keys["profile.file"].default is None
 
 
-def beyond(key) -> list:
-    """Values just outside of a key's limits, or of another kind than its choices, and a table."""
-    if key.limits.startswith('"'):
-        return ["other", {"a": "table"}]
-    whole = isinstance(key.default, int)
-    found = []
-    for word, text in re.findall(r"(from|above|to|below) (-?\d[\d .e+-]*)", key.limits):
-        bound, way = float(text.replace(" ", "")), {"from": -1, "above": 0, "to": 1, "below": 0}[word]
-        found.append(int(bound) + way if whole else bound + 1e-3 * way * max(abs(bound), 1e-3))
-    return [*found, {"a": "table"}]
-
-
 def test_no_key_takes_a_value_beyond_its_limits_or_of_another_kind():
-    for table in key_tables():
-        for key in table.keys:
-            place = ".".join([table.name, *(["0"] if table.many else []), key.name]).lstrip(".")
-            for value in beyond(key) if key.name not in ("clearance_um", "pitch_diameter_mm") else ():  # of a raceway
-                given = {key.name: value}
-                for part in reversed(table.name.split(".") if table.name else ()):
-                    given = {part: [given] if table.many else given}
-                assert_refused(given, f"scene.toml: {place} = ", ": must be ")
+    for table, key in ((each, key) for each in key_tables() for key in each.keys):
+        whole, beyond = isinstance(key.default, int), [{"a": "table"}, *["other"] * key.limits.startswith('"')]
+        for word, text in re.findall(r"(from|above|to|below) (-?\d[\d .e+-]*)", key.limits):
+            bound, way = float(text.replace(" ", "")), {"from": -1, "above": 0, "to": 1, "below": 0}[word]
+            beyond.append(int(bound) + way if whole else bound + 1e-3 * way * max(abs(bound), 1e-3))
+        place = ".".join([table.name, *(["0"] if table.many else []), key.name]).lstrip(".")
+        for value in beyond if key.name not in ("clearance_um", "pitch_diameter_mm") else ():  # of a raceway
+            given = {key.name: value}
+            for part in reversed(table.name.split(".") if table.name else ()):
+                given = {part: [given] if table.many else given}
+            assert_refused(given, f"scene.toml: {place} = ", ": must be ")
 
 
 def test_keys_given_win_over_the_catalogues_and_a_clearance_gives_the_outer_raceway(here, capsys):

@@ -482,8 +482,7 @@ def wait_for_value(page, key, value):
     page.wait_for_function("([key, value]) => window.live.bearing().values[key] === value", arg=[key, value])
 
 
-def coloured(page, canvas):
-    """Pixels of a canvas that are orange or brown, as loads are."""
+def coloured(page, canvas):  # pixels that are orange or brown, as loads are
     return coloured_pixels(page, canvas, "r > 120 && r > 1.4 * b")[0]
 
 

@@ -263,9 +263,6 @@ def test_films_take_up_clearance_in_ratings_as_in_runs(angle):
     assert oiled[-1, 0, 0] > 1.05 * bare[-1, 0, 0]
 
 
-# The hub's stiffness over a pitch: identities of rotational symmetry, finite differences, springs worked out
-
-
 def at_rest(clearance=0.0):
     """The paper's bearing at rest, weightless, under its 2000 N."""
     paper = read_scene(None, (f"bearing.clearance_um={clearance}",))
@@ -497,15 +494,12 @@ def test_ball_bearings_have_the_makers_ratings_and_the_life_of_balls(designation
     assert found["stiffness_N_per_m"][1, 1] > 0.0
 
 
-def test_rows_of_balls_by_the_standards():
+def test_rows_of_balls_and_springs_in_series_and_beside():
     angle, rows = "bearing.contact_angle_deg=40", "bearing.rows=2"
     one, two, plain, flat = (rating(read_scene(None, ("bearing.designation='6205'", *more)))
                              for more in ((angle,), (angle, rows), (), (rows,)))  # fmt: skip
     assert two["C_N"] == pytest.approx(2.0**0.7 * one["C_N"]) and two["C0_N"] == pytest.approx(2.0 * one["C0_N"])
     assert flat["C_N"] == pytest.approx(2.0**0.7 * 0.90 / 0.95 * plain["C_N"])
-
-
-def test_a_housing_in_series_and_a_shaft_beside():
     keys = "model=lagrange", "operation.gravity_m_s2=0"
     springs = ("support.kind=housing", "support.stiffness_N_per_m=1e8", "operation.shaft=springs",
                "operation.shaft_stiffness_N_per_m=2e7")  # fmt: skip
@@ -632,21 +626,14 @@ def test_what_lives_and_stiffness_take_for_granted_is_told_where_it_is_not_so(he
         assert all(each in warnings for each in words), settings
 
 
-def one_after_another(loads, dissipated):
-    """Samples in which one roller after another carries the whole load; the hub stands."""
-    n, angle = len(loads), 2.0 * np.pi * np.arange(13) / 13.0
-    force = np.zeros((n, 13))
-    force[np.arange(n), np.arange(n) % 13] = loads
-    time, (x, y) = 1e-3 * np.arange(n), 0.023 * np.array([np.cos(angle), np.sin(angle)])
-    places = {"inner_x": np.full(n, 1e-5), "inner_y": np.zeros(n), "roller_x": np.tile(x, (n, 1)),
-              "roller_y": np.tile(y, (n, 1))}  # fmt: skip
-    return places | dict(time=time, work_dissipated=dissipated * time, inner_force=force, outer_force=force)
-
-
 def test_equivalent_load_of_a_run_is_the_mean_of_its_power():
-    """Half of the time 1000 N, half 2000 N: P^(10/3) is the mean of the powers (ISO 281)."""
-    paper = read_scene(None, ("model=lagrange", "operation.radial_load_N=3000"))
-    loads = one_after_another(np.tile([1000.0, 2000.0], 500), 3.0)
+    """Half of the time 1000 N, half 2000 N, by one roller after another: P^(10/3) is the powers' mean (ISO 281)."""
+    paper, n = read_scene(None, ("model=lagrange", "operation.radial_load_N=3000")), 1000
+    force, time, angle = np.zeros((n, 13)), 1e-3 * np.arange(n), 2.0 * np.pi * np.arange(13) / 13.0
+    force[np.arange(n), np.arange(n) % 13] = np.tile([1000.0, 2000.0], 500)
+    x, y = (np.tile(0.023 * each(angle), (n, 1)) for each in (np.cos, np.sin))
+    loads = {"inner_x": np.full(n, 1e-5), "inner_y": np.zeros(n), "roller_x": x, "roller_y": y, "time": time,
+             "work_dissipated": 3.0 * time, "inner_force": force, "outer_force": force}  # fmt: skip
     found = rl.run_loads(paper.perfect_bearing(), paper.ideal_operation(), loads)
     expected = (0.5 * (1000.0 ** (10 / 3) + 2000.0 ** (10 / 3))) ** 0.3
     assert found.cycle.load() == pytest.approx(expected, rel=1e-12)

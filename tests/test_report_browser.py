@@ -33,7 +33,6 @@ def report(coarse_run, tmp_path_factory):
 
 @pytest.fixture
 def page(browser, report, request):
-    """The report open at a width."""
     with open_page(browser, report.as_uri(), request.param, offline=True) as page:
         yield page
 
@@ -138,29 +137,26 @@ def test_a_comparison_fits_the_screen_too(page, coarse_run, tmp_path):
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
-def _brightness(locator):
-    """Mean of an element's pixels, 0 to 1, as it is seen."""
-    return np.asarray(Image.open(io.BytesIO(locator.screenshot())).convert("L")).mean() / 255.0
-
-
 @on_a_desk
 def test_in_the_dark_page_figures_and_canvases_are_dark_and_text_is_light(page):
+    def brightness(name):  # mean of an element's pixels, 0 to 1, as it is seen
+        return np.asarray(Image.open(io.BytesIO(page.locator(name).screenshot())).convert("L")).mean() / 255.0
+
     page.emulate_media(color_scheme="dark")
     for name in ("#orbit img", "#player canvas", "#spectra-plot", "#run + .scroll"):
-        assert _brightness(page.locator(name)) < 0.25, name
-    assert _brightness(page.locator("#picture img")) == pytest.approx(0.4, abs=0.1)  # a picture is as it is: #0072b2
+        assert brightness(name) < 0.25, name
+    assert brightness("#picture img") == pytest.approx(0.4, abs=0.1)  # a picture is as it is: #0072b2
     ink = page.evaluate("getComputedStyle(document.querySelector('.verdict')).color")
     assert min(int(part) for part in ink[4:-1].split(",")) > 200
     page.emulate_media(color_scheme="light")
-    assert _brightness(page.locator("#orbit img")) > 0.8
+    assert brightness("#orbit img") > 0.8
 
 
 @pytest.fixture(scope="module")
 def other_pages(tmp_path_factory):
     """Pages of a rating, and of a record beside a simulation whose assumed keys it lists."""
     folder = tmp_path_factory.mktemp("pages")
-    load = ["--set", "operation.radial_load_N=3000"]
-    assert rate_main(["--bearing", "NU206", *load, "--output", str(folder / "a")]) == 0
+    assert rate_main([*"--bearing NU206 --set operation.radial_load_N=3000 --output".split(), str(folder / "a")]) == 0
     time = np.arange(20_000) / 20_000.0
     np.savez(folder / "record.npz", acc=np.sin(1e4 * time) * (1.0 + np.cos(1e3 * time)), rate=20_000.0)
     check = check_record(folder / "record.npz", None, Question(bearing="NU206", speed=1480.0))

@@ -653,8 +653,7 @@ def is_as_by_one_process(text):
     same("studies/study/study.nc", "here/study.nc")
 
 
-def listening(pid):
-    """Ports on which a process takes connections."""
+def listening(pid):  # ports on which a process takes connections
     links = (os.readlink(link) for link in Path(f"/proc/{pid}/fd").iterdir() if link.is_symlink())
     sockets = {link.removeprefix("socket:[").rstrip("]") for link in links if link.startswith("socket:")}
     rows = [row.split() for name in ("tcp", "tcp6") for row in Path(f"/proc/net/{name}").read_text().splitlines()[1:]]

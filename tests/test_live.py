@@ -127,7 +127,6 @@ def test_the_page_has_the_controls_of_the_scene_and_sliders_hold_its_own_values(
 
 
 def test_what_is_played_is_the_solvers_run_and_other_values_begin_one_with_roller_0_where_it_was(player, monkeypatch):
-    """Whatever it is cut into. One that has ended restarts; one whose energy does not balance is warned of."""
     plan = make_plan(scene_of("numerics.output_interval_us=10", "numerics.duration_ms=100000"))
     wanted = plan.first_state().advance(401).samples
     for count in (1, 7, 392):
@@ -242,7 +241,6 @@ class Clock(asyncio.SelectorEventLoop):
 
 @pytest.mark.parametrize(("work", "slowness"), [(WORK, 1.0), (WORK, 50.0), (10.0 * WORK, 50.0), (10.0 * WORK, 1.0)])
 def test_a_page_gets_20_frames_a_second_at_the_pace_asked_for_or_slower(work, slowness, monkeypatch):
-    """A page that asks for the next frame once it has drawn the last; steps in blocks of a tenth of a millisecond."""
     clock, page, frames, done = Clock(), object(), [], []
 
     def advance(count, is_late):
@@ -301,7 +299,6 @@ class Served:
 
 @pytest.fixture(scope="module")
 def live():
-    """A server of the built-in scene, in a thread."""
     server, addresses = LiveServer(Player(scene_of())), Queue()
     thread = Thread(target=lambda: asyncio.run(server.run(addresses.put)), daemon=True)
     thread.start()
@@ -555,7 +552,6 @@ def test_it_can_be_paused_slowed_down_and_taken_step_by_step(page):
 
 
 def test_the_bearing_stays_in_view_beside_many_controls_and_is_dark_where_all_is(browser):
-    """Of a housing and spalls of all three bodies; on a phone it stays while the controls are moved."""
     spalls = ("spall.0.width_mm=0.5", "spall.1.body=inner_ring", "spall.2.body=roller", "spall.2.roller=1")
     with command_served(*sets("support.kind=housing", *spalls)) as (_, address):
         for width, controls_at in ((1280, "0"), (390, "document.querySelector('#mass_kg').offsetTop - 500")):

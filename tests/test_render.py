@@ -191,7 +191,6 @@ def test_a_failing_probe_is_answered_with_what_cures_it(can_draw, monkeypatch, c
 
 @pytest.mark.parametrize("view", ["bearing", "close-up"])
 def test_the_command_writes_a_png_that_names_model_and_damping(coarse_run, tmp_path, capsys, monkeypatch, view):
-    """In the picture itself and in the text of its file, which the report takes for its caption."""
     from fem.pictures.canvas import Panel
 
     drawn, text = [], Panel.text
@@ -207,7 +206,6 @@ def test_the_command_writes_a_png_that_names_model_and_damping(coarse_run, tmp_p
 
 
 def test_films_have_the_frames_asked_for_and_one_that_fails_leaves_nothing(coarse_run, tmp_path, capsys, monkeypatch):
-    """Each frame of the GIF is another, the scale beside the bearing stands still, and it is the same each time."""
     from fem.pictures.views import Renderer
 
     def filmed(name, *options):
@@ -342,7 +340,6 @@ SETTINGS = (
 
 
 def at_rest(path, *settings):
-    """A run in which no time loop is compiled."""
     options = ["--mesh-size", "2", "--duration", "0", "--quiet", "--output", str(path)]
     assert run_main([*options, *sets(*settings)]) == 0
     return StoredRun(path)
@@ -382,7 +379,6 @@ def test_holes_lie_where_spalls_are_and_are_as_deep(sketch):
 
 
 def test_holes_are_no_deeper_than_bodies_bear_nor_cut_rollers_away_charts_magnify_heights(sketch):
-    """The spall's upper line is the roller's surface there, at any magnification."""
     found = holes(sketch(1e4), 0.0, as_reached=True)
     depth = np.hypot(*found[0].edge.T) - np.hypot(*found[0].edge[0])
     assert depth.max() <= 1.5e-3 and found[0].name == "spall 1 mm, × 100"

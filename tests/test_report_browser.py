@@ -20,7 +20,6 @@ WIDTHS = (390, 1280)
 
 @pytest.fixture(scope="module")
 def report(coarse_run, tmp_path_factory):
-    """The report on the shared run, with a picture beside the run that says it is of it."""
     folder = tmp_path_factory.mktemp("report")
     run = shutil.copy(coarse_run, folder / "run.nc")
     about = PngInfo()

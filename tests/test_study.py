@@ -214,7 +214,6 @@ def test_a_study_of_ratings_runs_nothing(here, monkeypatch):
 
 
 def test_zip_takes_values_side_by_side_a_list_those_of_a_table_and_a_base_may_lack_what_every_point_gives(here):
-    """An empty cell is no value of its parameter: a point without a spall has no width, its body is a word."""
     zipped = BASE + '[sampling]\nmethod = "zip"\n[parameters]\n"operation.speed_rpm" = [1000, 2000]\n'
     assert points_of(zipped + '"operation.radial_load_N" = [500, 900]\n').design.points == [(1000, 500), (2000, 900)]
     header = 'operation.speed_rpm,spall.0.body,"spall.0.width_mm"\n'
@@ -372,7 +371,6 @@ def test_a_point_that_can_not_be_is_left_out(change, study_folder, capsys):
 
 
 def test_a_point_is_known_by_what_is_sealed_and_not_by_its_name(solved_once, study_folder, capsys):
-    """One copied under another's name is none of either's: solved anew, and missing where nothing is solved."""
     first, second = sorted((study_folder / "points").iterdir())
     shutil.copy(first, second)
     assert study_main(["--collect", str(study_folder)]) == 1
@@ -545,7 +543,6 @@ def test_sobol_indices_are_those_of_a_function_whose_variance_is_known(made_up):
 
 
 def test_pages_have_a_line_for_each_value_a_table_of_points_and_what_can_be_told(made_up):
-    """One parameter has no shares, and points that can't tell are left out."""
     _, page = made_up(lambda speed, load, length: speed + load, failed=(5,), page=True, **OF_GRID)
     assert "Varied: speed, radial load, roller length; 23 of 24 points are complete" in page
     assert "&lt;b&gt;it broke&lt;/b&gt;" in page and "point 5 (operation.speed_rpm = 1" in page
@@ -578,7 +575,6 @@ def test_lines_of_a_grid_go_through_every_point(made_up, speed, length, monkeypa
 
 @pytest.fixture
 def script(here, monkeypatch):
-    """Runs a program of those beside the studies, which are copied here."""
     shutil.copytree(DOCS / "studies", here, dirs_exist_ok=True)
 
     def run(name, *words):
@@ -641,7 +637,6 @@ HANG = "import ctypes; ctypes.PyDLL(None).sleep(3600)"  # keeps even the interpr
 
 
 def child(text, deed):
-    """A study by two processes, which do something where the speed is 3000 rpm."""
     Path("study.toml").write_text(text, encoding="utf-8")
     program = f"import sys\nsys.path[:0] = {PATH!r}\n{DEED.format(deed=deed)}{STUDIED}"
     Path("run.py").write_text(program, encoding="utf-8")  # the processes begin with it, too

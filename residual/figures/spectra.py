@@ -205,7 +205,8 @@ def orders(e: Evaluation) -> Drawing | None:
     # the path along the record
     axis, place, step = axes[-1], 1e6 * tracking.resampled(e.record.inner_y), tracking.angles[1] - tracking.angles[0]
     length = min(round(TURNS_PER_PIECE / step), place.size // FEWEST_PIECES)
-    psd, *_, image = axis.specgram(place, length, 1.0 / step, noverlap=length * 7 // 8, scale="linear", detrend="mean")
+    pieces = {"NFFT": length, "Fs": 1.0 / step, "noverlap": length * 7 // 8, "detrend": "mean"}
+    psd, *_, image = axis.specgram(place, scale="linear", **pieces)
     most = 10.0 ** np.ceil(np.log10(max(psd.max(), 1e-30)))
     image.set_norm(LogNorm(most * ORDERS_RANGE, most))
     colour_bar(image, [axis], "path y, µm²/order", extend="min")

@@ -461,5 +461,4 @@ def test_runs_by_defaults_are_not_said_to_fold_and_within_what_differentiation_e
         assert run_main([*options, "--output", str(path)]) == 0
         found = evaluate(read_result(path))
         assert any("aliased" in note for note in found.notes) == folds
-    for direction, floor in zip(found.directions, found.floors, strict=True):
-        assert direction.balance.rms < floor
+    assert all(direction.balance.rms < direction.floor for direction in found.directions)

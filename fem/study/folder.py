@@ -216,9 +216,9 @@ def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = la
     interval, known = 0.0, readable(points.scene(0))
     for i, digest in enumerate(points.digests):
         solved = folder.read(digest) or Solved(status=MISSING, seconds=nan)
-        told: dict[str, Any] = {name: float(solved.quantities.get(name, nan)) for name in study.keep.quantities}
-        told |= dict(status=solved.status, message=solved.text, seconds=solved.seconds)
-        rows.append(labels(points.scene(i)) | told)
+        row: dict[str, Any] = {name: float(solved.quantities.get(name, nan)) for name in study.keep.quantities}
+        row |= dict(status=solved.status, message=solved.text, seconds=solved.seconds)
+        rows.append(labels(points.scene(i)) | row)
         for name in study.keep.signals if solved.status == COMPLETE else ():
             values = solved.signals[name]
             if name not in signals:

@@ -170,8 +170,7 @@ _NOT_HERE = (  # kinds of which sizes would say nothing (ISO 15, 104; makers' ca
         r"bearing 6\1\2; designation = '6\1\2' with its clearance"),
     (r"(?:[12][23]|10)\d\d(?!\d)", "a self-aligning ball bearing, not supported"),
     (r"2[0-4]\d{3}|C[23]\d{3}", "spherical roller bearings are not supported"),
-    (r"GE[GHK]?\d", "a spherical plain bearing: it slides, not supported"),
-)
+    (r"GE[GHK]?\d", "a spherical plain bearing: it slides, not supported"))
 _ON_THE_SHAFT = ("the shaft is its raceway: give inner_raceway_diameter_mm = {}, bore_diameter_mm = 0, "
     "outside_diameter_mm,")
 _OTHERS = (  # what their numbers say (ISO 15, 1206, 3030, 3245); INA's SL18, SL19 are SKF's NCF, NJG
@@ -192,8 +191,7 @@ _OTHERS = (  # what their numbers say (ISO 15, 1206, 3030, 3245); INA's SL18, SL
         r"the width, \2 mm) of its needles"),
     (r"K(\d+)X(\d+)X(\d+)", _ON_THE_SHAFT.format(r"\1") + r" outer_raceway_diameter_mm = \2, and number and length "
         r"(below \3 mm) of its needles"),
-    (r"NKIS?\d|NKS|K\d", "give its sizes, and number, diameter and length of its needles"),
-)
+    (r"NKIS?\d|NKS|K\d", "give its sizes, and number, diameter and length of its needles"))
 
 
 @lru_cache(maxsize=256)
@@ -245,8 +243,7 @@ def bearing_keys(name: str, group: str = "CN") -> dict[str, float | int | str]:
     sizes: dict[str, float | int | str] = {
         "rollers": found.number, "roller_diameter_mm": found.diameter, "roller_length_mm": found.length,
         "inner_raceway_diameter_mm": round(found.inner, 9), "clearance_um": 0.5 * sum(map(int, clearance)),
-        "bore_diameter_mm": entry.bore, "outside_diameter_mm": entry.outside,
-    }
+        "bore_diameter_mm": entry.bore, "outside_diameter_mm": entry.outside}
     return {"type": "ball", **sizes} if has_balls(name) else sizes
 
 

@@ -80,8 +80,7 @@ class Overlaps:
         outer = surfaces.outer(self.theta, turns)
         return replace(
             self, inner=self.inner - inner.sinkage, outer=self.outer - outer.sinkage, surfaces=(inner, outer),
-            aside=inner.slope / self.distance, outer_slope=outer.slope / self.rho,
-        )  # fmt: skip
+            aside=inner.slope / self.distance, outer_slope=outer.slope / self.rho)  # fmt: skip
 
     def at_contact(self, inner: Falls, outer: Falls | None = None) -> "Overlaps":
         """With the slopes that contacts' forces and edges meet on `on_surfaces`'s."""
@@ -108,8 +107,7 @@ def overlaps(bearing: Bearing, x, y, rho, theta) -> Overlaps:
         rho=rho, theta=theta, cos=cos, sin=sin, distance=distance,
         circle=((reach + beyond) / distance, -across / distance),
         inner=-(beyond * (beyond + 2.0 * reach) + across**2) / (distance + reach),  # reach − χ
-        outer=(rho - bearing.outer_raceway_radius) + bearing.roller_radius,
-    )  # fmt: skip
+        outer=(rho - bearing.outer_raceway_radius) + bearing.roller_radius)  # fmt: skip
 
 
 def touching_distances(bearing: Bearing) -> tuple[float, float]:

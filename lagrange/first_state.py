@@ -301,8 +301,7 @@ def sampled(problem: Problem, time: ndarray, state: State) -> dict[str, ndarray]
         roller_rho=state.rho, roller_theta=state.theta, inner_force=touch.inner_force, outer_force=touch.outer_force,
         inner_damping_force=per_roller + touch.inner_damper, outer_damping_force=per_roller + touch.outer_damper,
         energy_kinetic=kinetic + motion.rotation_energy(bearing, operation.at(time)),
-        energy_contact=np.sum(touch.energy, axis=-1),
-    )  # fmt: skip
+        energy_contact=np.sum(touch.energy, axis=-1))  # fmt: skip
     if hub is not None and tilts is not None and touch.tilted is not None:
         off = np.square(tilts.slope_x - hub.slope_x) + np.square(tilts.slope_y - hub.slope_y)
         found["energy_contact"] = found["energy_contact"] + 0.5 * hub.stiffness * off  # of the shaft against tilt

@@ -55,8 +55,7 @@ def kinematics(bearing: Bearing, speed, outer_speed=0.0) -> Kinematics:
     return Kinematics(
         shaft=speed, cage=0.5 * (inner + outer) / bearing.pitch_radius,
         roller=-0.5 * (inner - outer) / bearing.roller_radius, n_rollers=bearing.pockets, cosine=bearing.cosine,
-        outer_ring=outer_speed,
-    )  # fmt: skip
+        outer_ring=outer_speed)  # fmt: skip
 
 
 def kinematics_met(bearing: Bearing, operation: Operation) -> Kinematics:

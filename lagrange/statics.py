@@ -374,8 +374,7 @@ class _Row:
         ways = np.concatenate([
             _ways([-x, -y, none, none], -found.radial, none), _ways(4 * [none], none + 1.0, none),
             _ways([across * ny, -across * nx, -nx, -ny], -across * tangential, radial),
-            _ways(4 * [none], none, none - 1.0),
-        ])  # fmt: skip
+            _ways(4 * [none], none, none - 1.0)])  # fmt: skip
         off, rest = moved - self.slack, self.between @ own if self.tilts else np.zeros(4 * n)
         pull = self.springs * off
         left = self.applied - pull - ways.T @ (forces + rest) - self.inertial * moved

@@ -22,8 +22,7 @@ from importlib import import_module
 _HOME = {
     "Record": "residual.record", "InputError": "lagrange.errors", "read_result": "residual.sources",
     "read_table": "residual.sources", "Evaluation": "residual.evaluation", "evaluate": "residual.evaluation",
-    "write_report": "residual.report",
-}  # fmt: skip
+    "write_report": "residual.report"}  # fmt: skip
 
 __all__ = ["Evaluation", "InputError", "Record", "evaluate", "read_result", "read_table", "write_report"]
 

@@ -250,16 +250,14 @@ def evaluate(
         *(one.unresolved_note(x.spectrum.resolution) for one, _ in watched if not one.resolved),
         sampling.rate_note(max(x.resonance, y.resonance), interval, order),
         None if settled is None or changes else settled.note,  # what changes with the load or the speed is no transient
-        coarse.note if coarse is not None and coarse.seldom else None,
-    ]  # fmt: skip
+        coarse.note if coarse is not None and coarse.seldom else None]  # fmt: skip
     return Evaluation(
         record=used, law=by, order=order, start=used.time[0], budget=budget, x=x, y=y, lines=lines,
         watched=watched, ideal_cage=ideal.frequencies["FTF"], chatter=chatter, quarters=settled,
         identified=identified, unfitted=unfitted, laws=budgets.rank_laws(used, budget, identified), too_coarse=coarse,
         reference=reference, noise=noise, position_noise=errs,
         tilt=budgets.tilt_errors(used, by.name, order) if has_tilts(used) else None,
-        notes=tuple(dict.fromkeys(note for note in notes if note)),
-    )  # fmt: skip
+        notes=tuple(dict.fromkeys(note for note in notes if note)))  # fmt: skip
 
 
 def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:

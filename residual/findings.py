@@ -31,12 +31,10 @@ ALIKE = 0.05  # loads this near agree
 FROM_LOAD = 0.5 * pi  # rad, of +x from the load's direction, from which angles of rings are counted
 SHORTEST_GAP, MOST_GAPS = 1.0, 4  # degrees of a ring that are called not seen; arcs that a sentence lists
 EXPECTED = {  # lines that a spall of a body leaves in an envelope
-    "outer_ring": "BPFO and multiples", "inner_ring": "BPFI ± shaft", "roller": "2×BSF ± FTF",
-}  # fmt: skip
+    "outer_ring": "BPFO and multiples", "inner_ring": "BPFI ± shaft", "roller": "2×BSF ± FTF"}  # fmt: skip
 OMITTED = {  # terms of the budget that the Lagrangian model has not
     "friction": "friction on the raceways", "ring_flexibility": "the inertia of the elastic ring",
-    "other_forces": "other forces, for which the table has no column",
-}  # fmt: skip
+    "other_forces": "other forces, for which the table has no column"}  # fmt: skip
 # of contradictions
 FASTER, SLOWER = 0.02, 0.1  # than rolling: rollers slip backwards, and hardly creep forward
 ASTRAY = 0.05  # of the load: the contact forces of a table carry what acts in it
@@ -61,8 +59,7 @@ def law_table(e: Evaluation) -> Section:
     rows = [
         [law.name + (" (in use)" if law.name == e.law.name else ""),
          *cells(*(v for error in law.errors for v in (error.mean, error.rms)), law.contact_rms)]
-        for law in e.laws
-    ]  # fmt: skip
+        for law in e.laws]  # fmt: skip
     time, first = 1e3 * e.record.time, max((fit.samples for fit in e.identified.values()), default=0)
     note = f"The whole record, {text(time[0])} to {text(time[-1])} ms"
     if first:
@@ -87,8 +84,7 @@ def watched_table(e: Evaluation) -> Section:
     rows = [
         [x.name if x.name.endswith("Hz") else f"{x.name} ({text(x.frequency)} Hz)", *cells(x.rms, y.rms, digits=3),
          ", ".join(cells(x.background, y.background, digits=3)), "yes" if x.resolved else "no"]
-        for x, y in e.watched
-    ]  # fmt: skip
+        for x, y in e.watched]  # fmt: skip
     return Section(columns=("line", "N rms, x", "N rms, y", "background, x and y", "resolved"), rows=rows)
 
 
@@ -133,8 +129,7 @@ def _quantities(e, equations):
     found |= zip(("hub x, std, nm", "hub y, std, nm"), 1e9 * t.inner.std(axis=1), strict=True)
     found |= {
         "largest roller load, N": e.force.max(), "loaded rollers, fewest": low, "loaded rollers, most": high,
-        "roller orbit (FTF), Hz": e.lines.get("FTF"),
-    }  # fmt: skip
+        "roller orbit (FTF), Hz": e.lines.get("FTF")}  # fmt: skip
     names = (f"hub's acceleration, {axis}, rms, m/s²" for axis in "xy")
     found |= zip(names, e.hub_acceleration.std(axis=1), strict=True)
     for d in e.directions if equations else ():
@@ -156,8 +151,7 @@ def line_differences(e: Evaluation, other: Evaluation) -> Section:
                 pairs[f"{line.name}, g"] = [line.amplitude / G, same.amplitude / G]
         rows += [
             [f"{name}, {d.name}", *cells(a, b, digits=3), f"{20.0 * np.log10(a / b):+.1f}".replace("-", "−")]
-            for name, (a, b) in pairs.items() if a > 0.0 and b > 0.0
-        ]  # fmt: skip
+            for name, (a, b) in pairs.items() if a > 0.0 and b > 0.0]  # fmt: skip
     title = f"Vibration of the {e.y.vibration.body}: lines of its envelope"
     return Section(title=title, columns=("", *map(shown, named(e, other)), "difference, dB"), rows=rows)
 

@@ -15,8 +15,7 @@ INDIGO, OLIVE, WINE = "#332288", "#999933", "#882255"
 TERM_COLOURS = {  # of the budget; other_forces stands in the place of ring_flexibility
     "error": "black", "contact_law": RED, "damping": PURPLE, "friction": GREEN, "cage": SKY, "ring_flexibility": BLUE,
     "other_forces": BLUE, "differentiation": GREY, "outer_ring": INDIGO, "shaft": ORANGE, "load_and_weight": OLIVE,
-    "momentum": WINE,
-}  # fmt: skip
+    "momentum": WINE}  # fmt: skip
 LINE_COLOURS = {"FTF": PURPLE, "shaft": GREY, "outer ring": OLIVE, "BSF": ORANGE, "BPFO": RED, "BPFI": GREEN}
 
 

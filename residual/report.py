@@ -88,8 +88,7 @@ def write_report(e: Evaluation, folder: str | Path, options: ReportOptions = WHO
         section=section_words(t.bearing), tilt=None if e.tilt is None else tilt_summary(e.tilt),
         picture=picture_of(t.source) if t.attributes else None,
         spectra=Markup(spectra_json(e, options.equations)), plot_script=as_it_is(TEMPLATES / "spectra.js"),
-        player=Markup(player_json(e)), player_script=as_it_is(TEMPLATES / "player.js"),
-    )  # fmt: skip
+        player=Markup(player_json(e)), player_script=as_it_is(TEMPLATES / "player.js"))  # fmt: skip
     page = Page("report.html", TEMPLATE, shows)
     return write_folder(folder, PROGRAM, summarise(e, options), page, draw if options.figures else None, more)
 
@@ -196,12 +195,10 @@ def player_json(e: Evaluation) -> str:
     load = load / (np.hypot(*load).max() or 1.0)  # as shares of the largest
     rows = {
         "load": (load[:, shown], 4), "hub": (hub[:, shown], 5), "path": (hub[:, path], 5), "force": (e.force[shown], 4),
-        "angle": (np.arctan2(t.roller_y[shown], t.roller_x[shown]), 5),
-    }  # fmt: skip
+        "angle": (np.arctan2(t.roller_y[shown], t.roller_x[shown]), 5)}  # fmt: skip
     return _script({
         "rings": rings, "roller": roller, "time": _rounded(1e3 * t.time[shown], 6), "turn": _rounded(turn, 4),
-        **{name: [_rounded(row, digits) for row in values] for name, (values, digits) in rows.items()},
-    })  # fmt: skip
+        **{name: [_rounded(row, digits) for row in values] for name, (values, digits) in rows.items()}})  # fmt: skip
 
 
 # keys of each class' numbers, key=attribute where these differ; and what is computed
@@ -240,8 +237,7 @@ KEYS: dict[type, tuple[str, dict[str, Callable[[Any], Any]]]] = {
     Interval: ("value low high", {}),
     Identification: (
         "stiffness_N_per_m_to_the_n=stiffness exponent damping_N_s_per_m=damping contacts passages scatter_N=scatter",
-        {"confidence": lambda _: CONFIDENCE}),
-}  # fmt: skip
+        {"confidence": lambda _: CONFIDENCE})}  # fmt: skip
 
 
 def numbers(found: Any) -> Any:
@@ -280,8 +276,7 @@ def summarise(e: Evaluation, options: ReportOptions) -> dict:
         "position_noise": noise and {**numbers(noise), "within": e.within_noise},
         "quarters": e.quarters, "tolerance_N": options.tolerance, "verdict": e.outcome(options.tolerance),
         "contradictions": findings.contradictions(e), "notes": e.notes, "laws": e.laws,
-        "identification": None,
-    }  # fmt: skip
+        "identification": None}  # fmt: skip
     if cage is not None:  # null where the shaft reverses, and slip within one turn
         speed, whirl = ((None if t.reverses else of(t.interval) / (2.0 * np.pi)) for of in (cage.speed, cage.whirl))
         slips = speed is not None and e.ideal_cage != 0.0 and t.orbits >= 1.0
@@ -289,8 +284,7 @@ def summarise(e: Evaluation, options: ReportOptions) -> dict:
             "speed_Hz": speed, "whirl_Hz": whirl, "slip": 1.0 - abs(speed or 0.0) / e.ideal_cage if slips else None,
             "largest_offset_m": np.hypot(cage.x, cage.y).max(),
             "largest_pocket_force_N": np.abs(cage.force).max(),
-            "largest_guidance_force_N": np.hypot(cage.guidance_x, cage.guidance_y).max(),
-        }  # fmt: skip
+            "largest_guidance_force_N": np.hypot(cage.guidance_x, cage.guidance_y).max()}  # fmt: skip
     if search is not None:
         summary |= {"faults": search.found, "faults_seen": search.maps}
         summary["faults_left_stand_out"] = max((m.deepest[1] for m in search.left), default=0.0)
@@ -301,8 +295,7 @@ def summarise(e: Evaluation, options: ReportOptions) -> dict:
             f"peaks_{d.name}": [
                 {"order": p.frequency, "rms_m": p.rms, "line": p.line, "resolved": p.resolved} for p in d.orders.peaks
             ]
-            for d in e.directions if d.orders is not None
-        }  # fmt: skip
+            for d in e.directions if d.orders is not None}  # fmt: skip
         time = orders.tracking.time
         summary["orders"] = {"start_s": time[0], "end_s": time[-1], "resolution": orders.path.resolution,
                              "lines": orders.tracking.lines, **peaks}  # fmt: skip
@@ -315,8 +308,7 @@ def summarise(e: Evaluation, options: ReportOptions) -> dict:
         found: dict[str, Any] = {
             "error": d.error, "peaks": d.peaks, "lines": d.levels, "vibration": d.vibration,
             "away_from_contact_changes": d.away, "budget": {name: rms(v) for name, v in d.budget.terms.items()},
-            "budget_mean": {name: np.mean(v) for name, v in d.budget.terms.items()},
-        }  # fmt: skip
+            "budget_mean": {name: np.mean(v) for name, v in d.budget.terms.items()}}  # fmt: skip
         if d.balance is not None:
             found["budget"]["momentum"], found["momentum"] = d.balance.rms, d.balance
         summary |= {f"{key}_{d.name}": value for key, value in found.items()}
@@ -357,5 +349,4 @@ def _write_arrays(e, path):
                 add(f"order_psd_{d.name}", d.orders.error.psd, "shaft_order", "N2", f"{of} {error}")
         file.attrs.update(
             program=PROGRAM, program_version=VERSION, run=e.record.name, law=e.law.name, order=e.order,
-            frequency_resolution_Hz=e.x.spectrum.resolution, window="hann", scene=e.record.scene.to_toml(),
-        )  # fmt: skip
+            frequency_resolution_Hz=e.x.spectrum.resolution, window="hann", scene=e.record.scene.to_toml())  # fmt: skip

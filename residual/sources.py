@@ -157,8 +157,7 @@ def _from_file(path, file):
         name=shown(path.stem), source=path, scene=scene, energies=energies, cage=cage, attributes=attributes,
         stated_errors=tuple(records.StatedError(*row) for row in zip(*columns, strict=True)), slices=slices,
         notes=tuple(notes), **arrays,
-        precision=float(max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))),
-    )  # fmt: skip
+        precision=float(max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))))  # fmt: skip
 
 
 def _words(value):

@@ -40,8 +40,7 @@ ENVELOPE_TO = 50e3  # Hz, as far as accelerometers go
 NARROWEST = 2.0  # times BPFI: an envelope shows nothing faster than its band's width
 FAULT_LINES = ("BPFO", "2×BPFO", "3×BPFO", "BPFI", "2×BPFI")
 FAULT_SIDES = (
-    ("BPFO", OUTER_RING), ("2×BPFO", OUTER_RING), ("BPFI", "shaft"), ("2×BPFI", "shaft"), ("2×BSF", "FTF"),
-)  # fmt: skip
+    ("BPFO", OUTER_RING), ("2×BPFO", OUTER_RING), ("BPFI", "shaft"), ("2×BPFI", "shaft"), ("2×BSF", "FTF"))  # fmt: skip
 NEIGHBOURS, FEWEST_NEIGHBOURS = 8, 4  # cage multiples on either side that a line is compared with; together
 # times its neighbours' median, 12 dB: a perfect bearing's BPFO, of passing rollers, reaches 3.7 (docs/surfaces.md)
 STANDS_OUT = 4.0
@@ -370,5 +369,4 @@ def order_spectra(tracking: Tracking, error: np.ndarray, path: np.ndarray, accel
     return OrderSpectra(
         tracking, power_spectrum(tracking.resampled(error), step, slowest), spectrum,
         named_peaks(spectra.find_peaks(spectrum, lines), spectrum, lines, 0.0, 0.0),
-        None if envelope is None else power_spectrum(tracking.resampled(envelope.level), step, slowest),
-    )  # fmt: skip
+        None if envelope is None else power_spectrum(tracking.resampled(envelope.level), step, slowest))  # fmt: skip

@@ -149,8 +149,7 @@ class Case:
         return reference_life.rigid_loads(
             self.row, self.section_load if load is None else load / load_factor(self.bearing),
             2e3 * self.bearing.radial_clearance, self.operation.misalignment if slope is None else slope,
-            profile=self.profile if profile is None else profile, first=first,
-        )  # fmt: skip
+            profile=self.profile if profile is None else profile, first=first)  # fmt: skip
 
     rigid = cached_property(lambda self: self.rigid_at())
 
@@ -345,8 +344,7 @@ class Answer(NamedTuple):
 
 STRESSES = {  # of a contact, and what turns them out of SI
     "peak_pressure_MPa": 1e-6, "half_width_um": 1e6, "largest_shear_MPa": 1e-6, "shear_depth_um": 1e6,
-    "largest_von_mises_MPa": 1e-6, "von_mises_depth_um": 1e6,
-}  # fmt: skip
+    "largest_von_mises_MPa": 1e-6, "von_mises_depth_um": 1e6}  # fmt: skip
 
 s = sources
 DECLARED: tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...] = (
@@ -434,8 +432,7 @@ DECLARED: tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...] = (
     ("dissipated_run_W", "W", "power dissipated in the run", s.OF_RUN, lambda c: c.run.dissipated),
     ("power_loss_W", "W", "heat, ±30 %", s.BOTH_FRICTIONS, lambda c: c.losses),
     ("temperature_rise_K", "K", "temperature above the surroundings, first estimate", s.HEAT,
-     lambda c: c.temperature_rises()),
-)  # fmt: skip
+     lambda c: c.temperature_rises()))  # fmt: skip
 
 
 class Rating(Mapping[str, Any]):

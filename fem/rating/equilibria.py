@@ -65,8 +65,7 @@ def elastic_pitch(
         return Point(
             place=place[:2], rho=place[2:], inner_force=forces[:n], outer_force=forces[n:],
             stiffness=hub_stiffness(contacts, place, forces, None),
-            damping=damping_matrix(rates, stiff, 1.0 / soft, forces, damping),
-        )  # fmt: skip
+            damping=damping_matrix(rates, stiff, 1.0 / soft, forces, damping))  # fmt: skip
 
     return over_pitch(bearing, operation.first_roller_angle, solve, samples)
 
@@ -163,8 +162,7 @@ def _tilted_pitch(
             found.append(now)
             return Point(
                 place=now.place[:2], rho=now.rho, inner_force=now.inner_force, outer_force=now.outer_force,
-                stiffness=now.radial_stiffness, damping=np.zeros((2, 2)),
-            )  # fmt: skip
+                stiffness=now.radial_stiffness, damping=np.zeros((2, 2)))  # fmt: skip
 
         pitch = over_pitch(bearing, still.first_roller_angle, solve, samples)
     except (RuntimeError, NotFound) as error:

@@ -16,8 +16,7 @@ ON_PAPER = {"N/m": (1e-6, "N/µm"), "1": (1.0, "")}  # units that engineers read
 BULKY = "stiffness_harmonics_N_per_m", "roller_loads_N", "contacts"  # in the file and on the page
 VERDICT = (  # of what there is, the first of one kind: answer, factor, words
     ("C_N", 1e-3, "C = {:.1f} kN"), ("C0_N", 1e-3, "C0 = {:.1f} kN"), ("P_N", 1.0, "P = {:.0f} N"),
-    ("L10_h", 1.0, "L10 = {:.0f} h"), ("L10_Mrev", 1.0, "L10 = {:.0f} million revolutions"),
-)  # fmt: skip
+    ("L10_h", 1.0, "L10 = {:.0f} h"), ("L10_Mrev", 1.0, "L10 = {:.0f} million revolutions"))  # fmt: skip
 TEMPLATE = Path(__file__).parent / "template" / "rating.html.j2"
 
 
@@ -96,8 +95,7 @@ def write_page(path: Path, rating: Rating) -> None:
         numbers=Section(columns=("", "value", "source"), rows=rows + parts, kind="words stacked"),
         contacts=Section(columns=("most loaded contact", "inner raceway", "outer raceway"), rows=contacts),
         stresses=rating.answers["contacts"].source, missing=Section(columns=(), rows=missing, kind="words"),
-        figures=rating_figures(rating.case), scene=rating.scene.to_toml(),
-    )  # fmt: skip
+        figures=rating_figures(rating.case), scene=rating.scene.to_toml())  # fmt: skip
     write_whole(path, text.encode())
 
 

@@ -209,8 +209,7 @@ def plan_warnings(
     """Sentences; none where all is well. `interval` between samples, s; `start` : what a start is warned of."""
     found = (
         RIGID_CORE if scene.model == "fem" and model.bearing.bore_radius == 0.0 else None, _yield(model, equilibrium),
-        _sampling(model.bearing, operation, equilibrium, interval), _edges(model, equilibrium),
-    )  # fmt: skip
+        _sampling(model.bearing, operation, equilibrium, interval), _edges(model, equilibrium))  # fmt: skip
     return tuple(filter(None, (*found, *of_scene(scene, model.bearing, operation, interval), start)))
 
 

@@ -77,8 +77,7 @@ def _record_of(points: Points) -> StudyRecord:
     study = points.study
     return StudyRecord(
         version=VERSION, name=study.name, study=study.text, listed=study.listed, scene=study.scene.to_written_toml(),
-        files=study.scene.files, **vars(points.design), digests=points.digests, made_by=points.made_by,
-    )  # fmt: skip
+        files=study.scene.files, **vars(points.design), digests=points.digests, made_by=points.made_by)  # fmt: skip
 
 
 class Folder:
@@ -104,8 +103,7 @@ class Folder:
         return Points(
             study=study._replace(name=facts.name, scene=scene),
             design=Design(keys=facts.keys, points=facts.points, axes=facts.axes, base=facts.base),
-            digests=facts.digests, made_by=facts.made_by,
-        )  # fmt: skip
+            digests=facts.digests, made_by=facts.made_by)  # fmt: skip
 
     def _record(self) -> StudyRecord:
         try:
@@ -260,8 +258,7 @@ def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = la
         "title": study.name, "program": PROGRAM, "program_version": VERSION, "program_digest": points.made_by,
         "libraries": json.dumps({name: version(name) for name in LIBRARIES}), "study": study.text,
         "scene": study.scene.to_toml(), "method": study.sampling.method, "seed": study.sampling.seed, "points": n,
-        "sobol_base": design.base,
-    }  # fmt: skip
+        "sobol_base": design.base}  # fmt: skip
     dataset = xarray.Dataset(variables, attrs=attributes)
     with replaced(folder.dataset) as part:
         try:
@@ -384,8 +381,7 @@ def table_of(points: Points, dataset: xarray.Dataset) -> Table:
         quantities.append(_column(name, engineers or unit, meaning, (factor * dataset[name].values.ravel()).tolist()))
     return Table(
         points=points, parameters=[column for column in parameters if len(column.levels) > 1], quantities=quantities,
-        complete=dataset.status.values.ravel() == COMPLETE,
-    )  # fmt: skip
+        complete=dataset.status.values.ravel() == COMPLETE)  # fmt: skip
 
 
 def _column(name: str, unit: str, meaning: str, values: Sequence) -> Column:

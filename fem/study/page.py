@@ -52,8 +52,7 @@ def write_page(points: Points, folder: Folder, dataset: Dataset) -> None:
         failed=Section(columns=("point", "status", "reason"), rows=failed[:MOST_ROWS], kind="words"),
         more=n - MOST_ROWS, left_out=len(failed) - MOST_ROWS,
         facts=Section(columns=(), rows=_facts(table, dataset), kind="words"),
-        version=dataset.attrs["program_version"], study=study.text, scene=study.scene.to_toml(),
-    )  # fmt: skip
+        version=dataset.attrs["program_version"], study=study.text, scene=study.scene.to_toml())  # fmt: skip
     write_whole(folder.page, text.encode())
 
 

@@ -213,8 +213,7 @@ def _kept(result: Result, wanted: Wanted) -> dict[str, Any]:
     return dict(
         quantities={name: float(known[name]) for name in keep.quantities if name in known}, run=run,
         signals={name: np.ascontiguousarray(values) for name, values in signals.items()},
-        signal_interval=one_of * interval,
-    )  # fmt: skip
+        signal_interval=one_of * interval)  # fmt: skip
 
 
 def rated(scene: Scene, names: Collection[str]) -> dict[str, float]:

@@ -206,8 +206,7 @@ def study_of(path: Path, text: str, listed: str | None) -> Study:
         raise UsageError(f"{path}: {printable(str(error))}") from None
     return Study(
         name=table.name or path.stem, scene=read_scene(), sampling=table.sampling, parameters=parameters,
-        keep=table.keep, limits=table.limits, text=text, listed=listed,
-    )  # fmt: skip
+        keep=table.keep, limits=table.limits, text=text, listed=listed)  # fmt: skip
 
 
 def _text(path: Path) -> str:

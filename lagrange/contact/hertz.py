@@ -237,5 +237,4 @@ def line_contact(pair: Pair, force: float) -> LineContact:
     (shear, shear_at), (mises, mises_at) = ((float(s.max()), float(DEPTHS[s.argmax()])) for s in (shear, mises))
     return LineContact(
         peak_pressure=pressure, half_width=width, largest_shear=shear * pressure, shear_depth=shear_at * width,
-        largest_von_mises=mises * pressure, von_mises_depth=mises_at * width,
-    )  # fmt: skip
+        largest_von_mises=mises * pressure, von_mises_depth=mises_at * width)  # fmt: skip

@@ -163,8 +163,7 @@ def johnson(bearing: Bearing, side: Side) -> LogarithmicLaw:
         # at b = R1/2, but never near the maximum of δ(Q), which a thin ring brings closer
         largest_force=min((0.5 * R1) ** 2 / b_squared, exp(level - 2.0)),
         source=f"Johnson 1985, Tripp 1985: line contact of elastic cylinders, {side} raceway",
-        range="plane strain; contact width small against roller and ring",
-    )  # fmt: skip
+        range="plane strain; contact width small against roller and ring")  # fmt: skip
 
 
 OWN = "power"  # name of the bearing's own law

@@ -161,8 +161,7 @@ def render_page(template: Path, **values: object) -> str:
         lstrip_blocks=True)  # fmt: skip
     return environment.get_template(template.name).render(
         page_style=as_it_is(STYLE), plot_style=as_it_is(VENDOR / "uPlot.min.css"),
-        plot_library=as_it_is(VENDOR / "uPlot.iife.min.js"), **values,
-    )  # fmt: skip
+        plot_library=as_it_is(VENDOR / "uPlot.iife.min.js"), **values)  # fmt: skip
 
 
 def as_it_is(path: Path) -> "Markup":

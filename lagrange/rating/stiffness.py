@@ -101,8 +101,7 @@ def lagrangian_pitch(
         rates = approach_rates(bearing, angles, still.hub, still.rho)
         return Point(
             place=still.hub, rho=still.rho, inner_force=both[0], outer_force=both[1], stiffness=still.stiffness,
-            damping=damping_matrix(rates, np.diag(slopes), slopes, np.concatenate(both), damping),
-        )  # fmt: skip
+            damping=damping_matrix(rates, np.diag(slopes), slopes, np.concatenate(both), damping))  # fmt: skip
 
     return over_pitch(bearing, operation.first_roller_angle, solve, samples)
 

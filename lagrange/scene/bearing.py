@@ -181,8 +181,7 @@ class BearingTable(Table):
         (lambda t: t.pitch * sin(pi / t.rollers) <= t.roller_diameter_mm and (
             int(pi / asin(t.roller_diameter_mm / t.pitch)) if t.roller_diameter_mm < t.pitch else 1),
             "rollers = {t.rollers} of roller_diameter_mm = {t.roller_diameter_mm} do not fit on the pitch circle of "
-            "{t.pitch:g} mm; at most {0}"),
-    )
+            "{t.pitch:g} mm; at most {0}"))
 
 
 class MaterialOverride(Table):

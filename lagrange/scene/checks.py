@@ -321,8 +321,7 @@ REFUSED: tuple[tuple[Condition, Condition, str], ...] = (
         f"whatever turns with the outer ring holds it all around{EITHER}"),
     (_turns, "fit",
      f"{{0}}: not with [fit], whose housing stands still; give the operating clearance{EITHER}"),
-    (NOT_ROUND, OTHER_ON_MESHES, f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"),
-)
+    (NOT_ROUND, OTHER_ON_MESHES, f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"))
 
 
 COMBINATIONS: tuple[Rule, ...] = (
@@ -346,5 +345,4 @@ COMBINATIONS: tuple[Rule, ...] = (
         s.perfect_bearing()), s.cage.pocket_clearance_mm) and room, "cage.pocket_clearance_mm = "
         "{t.cage.pocket_clearance_mm:g}: neighbouring rollers are {0:.4g} mm apart, and a bar of the cage has to stand "
         "between them; reduce it, or use fewer rollers"),
-    _tables, _roller_faults, _spall_faults, _size_faults, _profile_faults, _axial, _part_faults,
-)
+    _tables, _roller_faults, _spall_faults, _size_faults, _profile_faults, _axial, _part_faults)

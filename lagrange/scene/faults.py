@@ -40,16 +40,14 @@ ABSENT = {  # what engineers ask for and the program lacks, by words of a key
     "grease": ("grease",),
     "keys of life and ratings (rate-bearing computes them)": ("life", "l10", "rating", "ratings", "c0"),
     "shapes of cage pockets": ("pocket", "pocket_shape"),
-    "hollow rollers": ("hollow", "roller_bore"),
-}
+    "hollow rollers": ("hollow", "roller_bore")}
 # keys of earlier versions: what they were by default, which scenes in their result files spell out, and what to do
 GUIDED = "rollers are always guided against skew; leave it out"
 GONE: dict[tuple[str, ...], tuple[Any, str]] = {
     ("reduced",): ({"modes_up_to_kHz": 0.0}, 'the reduced model no longer has modes; for elastic waves use model = '
         '"fem"'),
     ("lagrange", "damping_N_s_m"): (None, "contacts are damped by damping.contact_N_s_m in all models; write it there"),
-    ("axial", "skew"): ("guided", GUIDED), ("axial", "skew_play_mrad"): (None, GUIDED),
-}
+    ("axial", "skew"): ("guided", GUIDED), ("axial", "skew_play_mrad"): (None, GUIDED)}
 RPM = 2.0 * pi / 60.0  # rad/s
 UNITS = {"GPa": "GPa", "kg_m3": "kg/m³", "rpm": "rpm", "N_per_m": "N/m", "N_per_mm3": "N/mm³", "N_s_m": "N s/m",
     "N_m": "N m", "N": "N", "N_per_m_n": "N/mⁿ", "N_m_rad": "N m/rad", "mrad": "mrad", "kg_m2": "kg m²", "kg": "kg",

@@ -113,8 +113,7 @@ class OperationTable(Table):
         only("shaft_stiffness_N_per_m shaft_damping_N_s_m", "shaft", "springs"),
         (lambda t: t.load_table is not None and t.radial_load_N > 0.0, 'radial_load_N = {t.radial_load_N:g}: '
             'load_table = "{t.load_table}" is the whole load; leave out one of them'),
-        _first_speeds,
-    )
+        _first_speeds)
 
     def springs(self) -> Shaft | None:
         """What holds the shaft beside the bearing, in SI; None: nothing."""
@@ -175,8 +174,7 @@ def _first_speed(text, decimal, shape):
 OF_KINDS: dict[str, dict[str, Any]] = {  # keys that each kind needs, with their defaults
     "points": {"angles_deg": [0.0, 120.0, 240.0], "width_mm": 6.0},
     "housing": {"mass_kg": 12.638, "stiffness_N_per_m": 15.1e6, "damping_N_s_m": 2210.7},
-    "bore": {"fit_clearance_um": 0.0},
-}
+    "bore": {"fit_clearance_um": 0.0}}
 
 
 class SupportTable(Table):
@@ -212,8 +210,7 @@ class SupportTable(Table):
         only("fit_clearance_um bore_stiffness_N_per_mm3", "kind", "housing", "bore"),
         (lambda t: t.kind == "housing" and t.fit_clearance_um is None and t.bore_stiffness_N_per_mm3 is not None,
             "bore_stiffness_N_per_mm3 = {t.bore_stiffness_N_per_mm3:g}: only with fit_clearance_um, without which the "
-            "ring is held all around; give that too, 0 for a bore as wide as the ring"),
-    )
+            "ring is held all around; give that too, 0 for a bore as wide as the ring"))
 
     def parts(self) -> dict[str, Any]:
         """Points, housing and bore in SI, as `Mounting` has them; None: there are none."""
@@ -356,8 +353,7 @@ class LagrangeTable(Table):
         (lambda t: (t.contact_stiffness_N_per_m_n is None) != (t.contact_exponent is None),
             "contact_stiffness_N_per_m_n and contact_exponent make one law Q = K δⁿ; give both, or neither"),
         (lambda t: t.law == OWN and t.contact_stiffness_N_per_m_n is None and t.law_table is None,
-            'law = "power" needs contact_stiffness_N_per_m_n = [inner, outer] and contact_exponent, or law_table'),
-    )
+            'law = "power" needs contact_stiffness_N_per_m_n = [inner, outer] and contact_exponent, or law_table'))
 
     def own_law(self) -> OwnLaw | None:
         """The scene's own law; None: it has none, or its table is not at hand. ValueError: a table of another kind."""

@@ -34,8 +34,7 @@ MESH_SHARE = 0.1  # of a roller's diameter, between surface nodes where the scen
 FITTING = 6.0, 16.0  # mm, diameters of a standard bearing's rollers that the default mesh size serves
 DECIDING = {  # keys whose defaults decide an answer, and what may be given in their place
     "speed_rpm": ("speed_table", "outer_ring_speed_rpm", "outer_ring_speed_table"),
-    "radial_load_N": ("load_table", "rotating_load_N", "unbalance_g_mm"),
-}
+    "radial_load_N": ("load_table", "rotating_load_N", "unbalance_g_mm")}
 
 
 class Scene(Table):

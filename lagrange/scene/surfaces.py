@@ -24,8 +24,7 @@ class SurfaceTable(Table):
     RULES: ClassVar[tuple[Rule, ...]] = (
         (lambda t: t.body == "roller" and t.roller is None, 'body = "roller" needs the number of the roller, e.g. '
             'roller = 0 for the first'),
-        only("roller", "body", "roller"),
-    )
+        only("roller", "body", "roller"))
 
     @property
     def reference(self) -> float:

@@ -229,8 +229,7 @@ def _profile(bearing, body, pair, meeting):
         return Profile(
             coefficients=_spline(sunk), compliance=_spline(pair.line_compliance * softer) if soft else None, row=row,
             spacing=2.0 * pi * own / n, spalls=tuple((spall.roller, spall.angle, half(spall)) for spall in spalls),
-            waves=2.0 * pi * own / max(FEWEST_KNOTS, *smooth) if smooth else inf, part=part,
-        )  # fmt: skip
+            waves=2.0 * pi * own / max(FEWEST_KNOTS, *smooth) if smooth else inf, part=part)  # fmt: skip
 
     if not of_part:
         return profile(faults)

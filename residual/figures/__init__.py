@@ -44,8 +44,7 @@ STYLE: "dict[RcKeyType, Any]" = {
     "axes.grid": True, "grid.color": "#E3E3E3", "grid.linewidth": 0.7, "axes.axisbelow": True, "lines.linewidth": 1.1,
     "legend.frameon": False, "text.hinting": "none",  # at this resolution as legible, and quicker
     "svg.hashsalt": "residual", "svg.fonttype": "path", "path.simplify": True, "path.simplify_threshold": 0.3,
-    "agg.path.chunksize": 20000, "axes.formatter.limits": (-4, 5), "axes.formatter.useoffset": False,
-}  # fmt: skip
+    "agg.path.chunksize": 20000, "axes.formatter.limits": (-4, 5), "axes.formatter.useoffset": False}  # fmt: skip
 
 
 class Drawing(NamedTuple):

@@ -37,8 +37,7 @@ SHARP = "Loaded ends of these profiles have an edge, where pressure has no limit
 ENERGY_CURVES = {
     "energy_kinetic": ("kinetic", BLUE), "energy_elastic": ("elastic", RED), "energy_contact": ("contact", PURPLE),
     "energy_support": ("support", SKY), "energy_shaft": ("shaft", ORANGE), "work_external": ("external work", GREEN),
-    "work_dissipated": ("dissipated", GREY),
-}  # fmt: skip
+    "work_dissipated": ("dissipated", GREY)}  # fmt: skip
 
 
 def draw_figures(
@@ -53,8 +52,7 @@ def draw_figures(
                 tilt(e), pressure(e), energy(e), cage(e),
             ],
             "vibration": [spectra.acceleration(e), spectra.envelope(e), spectra.orders(e), *passages(e)],
-            "search": [] if found is None else [search(found)],
-        }  # fmt: skip
+            "search": [] if found is None else [search(found)]}  # fmt: skip
         if equations:
             drawn["spectra"] = [spectra.whole(e)]
             drawn["budget"] = spectra.budget(e)
@@ -246,8 +244,7 @@ def passage(e: Evaluation) -> Drawing | None:
     dashed = {"linewidth": 1.1, "linestyle": (0, (5, 2))}
     normal: list[tuple] = [
         (t.inner_force, BLUE, "inner raceway", 1.1), (t.outer_force, RED, "outer raceway", dashed),
-        (budget.law_force, GREY, f"law {e.law.name}, inner", 0.9),
-    ]  # fmt: skip
+        (budget.law_force, GREY, f"law {e.law.name}, inner", 0.9)]  # fmt: skip
     tangential = [(t.inner_traction, BLUE, None, 0.9), (t.outer_traction, RED, None, 0.9)]
     below = all(of is not None for of, *_ in tangential)
     figure, axes = panels(1 + below, 3.4 + 1.8 * below, y=["normal force, N", "traction on the roller, N"])
@@ -306,8 +303,7 @@ def cage(e: Evaluation) -> Drawing | None:
     guided = np.hypot(own.guidance_x, own.guidance_y)
     rows = [
         (np.maximum(own.force, 0.0).max(axis=1), BLUE, "rear wall, pushes forward"),
-        (np.minimum(own.force, 0.0).min(axis=1), RED, "front wall, holds back"), (guided, GREEN, "guide"),
-    ]  # fmt: skip
+        (np.minimum(own.force, 0.0).min(axis=1), RED, "front wall, holds back"), (guided, GREEN, "guide")]  # fmt: skip
     curves(forces, 1e3 * t.time, *[(*row, 0.8) for row in rows[: 3 if guided.any() else 2]], legend=3)
     caption = (
         "Above: path of the cage's centre about that of the bearing, or of the inner ring where that guides it; "

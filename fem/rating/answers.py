@@ -235,11 +235,9 @@ class Case:
         found = film_thicknesses(self.bearing, speeds, forces, oil) if min(forces) > 0.0 else ()
         return min(found or _refuse("the bearing does not turn or carries no load: no film forms"))
 
-    def film_ratio(self) -> float:
-        """λ."""
-        roughness = self.options.roughness or _refuse(
-            "no roughness of the surfaces: give --roughness, rms of both together, in µm"
-        )
+    def film_ratio(self) -> float:  # λ
+        unknown = "no roughness of the surfaces: give --roughness, rms of both together, in µm"
+        roughness = self.options.roughness or _refuse(unknown)
         return 1e6 * self.film / roughness
 
     @property
@@ -256,8 +254,7 @@ class Case:
     # W
     losses = property(lambda self: {name: life.power_loss(of.total, self.rpm) for name, of in self.torques.items()})
 
-    def temperature_rises(self) -> dict[str, float]:
-        """K."""
+    def temperature_rises(self) -> dict[str, float]:  # K
         losses, known = self.losses, listed(self.scene.bearing.designation)
         width = self.options.width or (known and width_of(known[0]))
         width = width or _refuse("the bearing's width is not known: no designation; give --width in mm")
@@ -478,10 +475,7 @@ def _plain(value: Any) -> Any:  # for JSON: arrays as lists, what is infinite or
 
 
 def rating(scene: Scene, options: Options | None = None) -> Rating:
-    """All answers to a scene.
-    Example
-    -------
-    rating(Scene(bearing={"designation": "NU206"}))["C_N"]"""
+    """All answers to a scene, as rating(Scene(bearing={"designation": "NU206"}))["C_N"]."""
     return Rating(Case(scene, options or Options()))
 
 

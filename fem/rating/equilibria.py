@@ -91,8 +91,7 @@ class TiltedPitch:
 
     @cached_property
     def peaks(self) -> dict[str, float]:
-        """Force, N, that a whole roller would bear at the pressure of its most loaded slice, by raceway. Unavailable:
-        an edge is loaded."""
+        """Force, N, of a whole roller at its most loaded slice's pressure, by raceway. Unavailable: a loaded edge."""
         found = {}
         pairs, ends = contact_pairs(self.bearing), profile_ends(self.bearing, self.axial)
         for pair, slices, loads, end in zip(pairs, self.slices, self.loads, ends, strict=False):

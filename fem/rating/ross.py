@@ -38,8 +38,7 @@ class Coefficients(NamedTuple):
 
 
 def coefficients(rating: Rating) -> Coefficients:
-    """Of the scene's contacts and dampers, from rest to half as fast again as the scene's shaft. Unavailable: no
-    equilibrium."""
+    """Of contacts and dampers, from rest to half as fast again as the scene's shaft. Unavailable: no equilibrium."""
     case, elastic = rating.case, rating.scene.model != "lagrange"
     if elastic:
         _ = case.elastic  # refuses what it can't take

@@ -91,8 +91,7 @@ class ErrorEstimate:
         self, samples: dict[str, np.ndarray], report: Callable[[Progress], None] = lambda progress: None,
         stop: Callable[[], bool] = lambda: False,
     ) -> list[Estimate]:  # fmt: skip
-        """Run the coarse plan and compare, unless it is stopped; `samples` of the finished run, by the result file's
-        names (NEEDED).
+        """Run the coarse plan and compare, unless stopped; the finished run's `samples` by names in files, NEEDED.
 
         RunFailed: the coarse run went wrong. NotFound: no equilibrium at rest.
         """
@@ -124,8 +123,7 @@ def error_estimate(plan: Plan) -> ErrorEstimate:
     scene, numerics = plan.scene, plan.scene.numerics
     if scene.model == "fem":
         coarse = make_plan(coarser_scene(scene))
-        size = coarse.scene.numerics.mesh_size_mm
-        title = f"Discretisation error, estimated with a mesh of {size:g} mm"
+        title = f"Discretisation error, estimated with a mesh of {coarse.scene.numerics.mesh_size_mm:g} mm"
         return ErrorEstimate(title=title, coarse=coarse, fine=plan)
     if scene.model != "reduced":
         raise UsageError(f"--estimate-error: the {plan.model_name} has no mesh; leave it out")

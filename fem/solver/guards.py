@@ -299,12 +299,8 @@ def frequency_error(bearing: Bearing, hub_mass: float, omega: float, least: floa
     soft = 1.0 / (hub_mass * omega**2) - static  # of all else
 
     def gives_way(square):
-        return (
-            soft
-            - 1.0 / (hub_mass * square)
-            + np.sum(inner.shape**2 / (modes - square))
-            + np.sum(outer.shape**2 / (outer.frequency**2 - square))
-        )
+        of_inner = soft - 1.0 / (hub_mass * square) + np.sum(inner.shape**2 / (modes - square))
+        return of_inner + np.sum(outer.shape**2 / (outer.frequency**2 - square))
 
     below, above = 1e-6 * omega**2, (1.0 - 1e-9) * min(modes[0], outer.frequency[0] ** 2)
     if not omega**2 < above or gives_way(below) >= 0.0:

@@ -22,7 +22,7 @@ from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene
 from lagrange.scene.surfaces import SURFACES
 from lagrange.step_size import wave_interval
-from lagrange.surface.faults import Spall
+from lagrange.surface.faults import Spall, thickness
 from lagrange.surface.passages import interval_warning
 
 if TYPE_CHECKING:
@@ -51,14 +51,11 @@ def check_mesh_size(bearing: Bearing, mesh_size: float, shapes_of: Callable) -> 
 
     UsageError: elements thicker than a ring, or too many nodes.
     """
-    for name, thickness in (
-        ("inner ring", bearing.inner_raceway_radius - bearing.bore_radius),
-        ("outer ring", bearing.outside_radius - bearing.outer_raceway_radius),
-    ):
-        if exceeds(mesh_size, thickness):
+    for body, words in (("inner_ring", "inner ring"), ("outer_ring", "outer ring")):
+        if exceeds(mesh_size, most := thickness(bearing, body)):
             raise UsageError(
-                f"numerics.mesh_size_mm = {1e3 * mesh_size:g}: the {name} is only {1e3 * thickness:.3g} mm thick; at "
-                f"most {1e3 * thickness:.3g}"
+                f"numerics.mesh_size_mm = {1e3 * mesh_size:g}: the {words} is only {1e3 * most:.3g} mm thick; at most "
+                f"{1e3 * most:.3g}"
             )
     nodes = mesh_nodes(bearing, mesh_size, shapes_of)
     if nodes > MOST_NODES:
@@ -103,8 +100,7 @@ def check_contact_model(kind: "type[Model]", scene: Scene, expected: "ExpectedFo
         given = next((f"[[{name}]]" for name in SURFACES if getattr(scene, name)), "[lubricant]")
         raise UsageError(
             f"{given}: numerics.mesh_size_mm = {1e3 * mesh_size:g} is so fine that contacts are spread over points, "
-            "which lie on perfect circles; at "
-            f"least {1e3 * kind.coarsest * max(widths):.3g}"
+            f"which lie on perfect circles; at least {1e3 * kind.coarsest * max(widths):.3g}"
         )
     if not kind.is_made_for_a_force:
         coarsest = kind.coarsest * min(widths)
@@ -259,13 +255,9 @@ def _light(scene, bearing, operation):
 
 def _undamped(scene, operation):
     """Vibration that is excited again and again, and that nothing but friction takes energy from."""
-    housing = operation.mounting.housing
-    excited = {
-        "[[spall]]": bool(scene.spall),
-        "operation.load_table": scene.operation.load_table is not None,
-        'support.kind = "housing"': housing is not None and housing.damping == 0.0,
-    }
-    named = [name for name, there in excited.items() if there]
+    housing, named = operation.mounting.housing, ["[[spall]]"] if scene.spall else []
+    named += ["operation.load_table"] if scene.operation.load_table is not None else []
+    named += ['support.kind = "housing"'] if housing is not None and housing.damping == 0.0 else []
     takes_none = (scene.model == "fem" and scene.contact.model != "subgrid") or scene.axial is not None
     if not named or scene.damping.acts or takes_none or scene.numerics.duration_ms == 0.0:
         return None

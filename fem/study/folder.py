@@ -95,8 +95,7 @@ class Folder:
         return self.path / "points" / f"{digest}.point"
 
     def points(self) -> Points:
-        """The study and its points, as they were when it was begun or last resumed. UsageError, SceneError: there is
-        none, or it is damaged."""
+        """The study and its points as begun or last resumed. UsageError, SceneError: no study, or a damaged one."""
         facts = self._record()
         study = study_of(self._about, facts.study, facts.listed)
         scene = parse_scene_text(facts.scene, f"{self._about}: scene", facts.files)

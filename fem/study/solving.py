@@ -52,11 +52,9 @@ CONNECT = 20.0  # s
 COUNTING = 2.0  # s, between two looks at how many workers there are
 COMPLETE, FAILED, STOPPED, LOST = "complete", "failed", "stopped", "lost"
 RATED = {  # answers of rate-bearing, and what turns them into SI
-    "rating_life": ("L10r_Mrev", 1e6),
-    "rating_peak_pressure": ("peak_pressure_MPa", 1e6),
+    "rating_life": ("L10r_Mrev", 1e6), "rating_peak_pressure": ("peak_pressure_MPa", 1e6),
     "rating_moment": ("tilting_moment_N_m", 1.0),
-    "rating_tilt_stiffness": ("tilt_stiffness_N_m_per_rad", 1.0),
-}
+    "rating_tilt_stiffness": ("tilt_stiffness_N_m_per_rad", 1.0)}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,8 +75,7 @@ class Points:
 
 
 def checked_points(study: Study, design: Design, count: Callable[[], None] = lambda: None) -> Points:
-    """Validate every point; `count` is called after each. UsageError: naming points and keys that can't be used, the
-    first few of them."""
+    """Validate every point; `count` is called after each. UsageError: names the first few points and keys refused."""
     digests, faults, keep = [], [], study.keep
     first: dict[str, object] = {}
     for i in range(len(design.points)):
@@ -91,8 +88,7 @@ def checked_points(study: Study, design: Design, count: Callable[[], None] = lam
             if len(faults) == MOST_FAULTS:
                 break
             continue
-        # the name of a point's file
-        facts = [FORMAT, scene.to_toml(), sorted(scene.files), keep.model_dump(), program()]
+        facts = [FORMAT, scene.to_toml(), sorted(scene.files), keep.model_dump(), program()]  # name a point's file
         digests.append(hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:32])
         count()
     if faults:
@@ -249,8 +245,7 @@ class Expected(NamedTuple):
 
 
 def expected(points: Points, pending: list[int], tell: Callable[[str], None] | None = None) -> Expected:
-    """Expected cost of the points from the plans of three of them; compiles their kernels first. UsageError: no plan
-    can be made of any of the three."""
+    """Cost of points by plans of three of them, whose kernels are compiled first. UsageError: none can be planned."""
     seconds, refused, keep, memory = [], "", points.study.keep, nan
     for i in sorted({pending[0], pending[len(pending) // 2], pending[-1]}):
         try:
@@ -282,8 +277,7 @@ def expected(points: Points, pending: list[int], tell: Callable[[str], None] | N
 def solve_all(
     solver: "Solver", scenes: Iterator[tuple[int, Scene]], add: Callable[[int, Solved], None], stop: Callable[[], bool]
 ) -> None:
-    """Solve numbered scenes and hand what became of each to `add`, in the order in which they end. OSError: `add`'s, or
-    no process can be started."""
+    """Solve numbered scenes, hand what became of each to `add` as they end. OSError: `add`'s, or no process starts."""
     ended: list[tuple[int, Solved]] = []
     following = next(scenes, None)
     try:

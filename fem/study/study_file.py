@@ -316,8 +316,7 @@ def _distribution(key: str, place: str, name: str, arguments: Any) -> Parameter:
 
 
 def design_of(study: Study) -> Design:
-    """The points of a study; the same study gives the same points.
-    UsageError: lengths that differ, too many points, a list that is none."""
+    """The points of a study, always the same. UsageError: lengths that differ, too many points, a list that is none."""
     method, parameters = study.sampling.method, study.parameters
     if method == "list":
         return _listed(study.sampling.file or "", study.listed or "")

@@ -32,12 +32,9 @@ if TYPE_CHECKING:
     from lagrange.statics import Statics, static_equilibrium
 
 HOMES = {
-    "bearing": ("BallBearing", "Bearing", "Material", "Operation"),
-    "contact.laws": ("ContactLaws", "contact_laws"),
-    "first_state": ("Problem",),
-    "kinematics": ("Kinematics",),
-    "statics": ("Statics", "static_equilibrium"),
-}
+    "bearing": ("BallBearing", "Bearing", "Material", "Operation"), "contact.laws": ("ContactLaws", "contact_laws"),
+    "first_state": ("Problem",), "kinematics": ("Kinematics",),
+    "statics": ("Statics", "static_equilibrium")}  # fmt: skip
 __all__ = ["BallBearing", "Bearing", "ContactLaws", "Kinematics", "Material", "Operation", "Problem", "Statics",
     "contact_laws", "static_equilibrium"]  # fmt: skip
 

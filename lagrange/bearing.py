@@ -191,8 +191,7 @@ class Bearing:
 class BallBearing(Bearing):
     """A deep-groove ball bearing at zero contact angle. Lengths in m.
 
-    The balls are the "rollers" of `Bearing`; the raceway radii are those of the groove bottoms; `roller_length` is the
-    width of the rings.
+    The balls are the "rollers" of `Bearing`, raceway radii those of groove bottoms, `roller_length` the rings' width.
     """
 
     inner_groove_radius: float  # of the groove's cross-section, r_I
@@ -275,8 +274,7 @@ class Cage:
     """A rigid ring with one pocket for each roller, equally spaced; SI.
 
     Guided by rollers it has round pockets, which hold them along the radius too. Guided by a ring its pockets have flat
-    walls across the pitch circle, and its bore meets the inner ring, or its outside the outer one, at the radius of
-    that ring's raceway.
+    walls across the pitch circle, and its bore meets the inner ring, or its outside the outer one, at the raceway.
     """
 
     mass: float
@@ -316,8 +314,7 @@ def section_operation(bearing: Bearing, operation: Operation) -> Operation:
     """What acts in the section where `operation` acts on the bearing."""
     if is_plain(bearing):
         return operation
-    load, stiffness = load_factor(bearing), stiffness_factor(bearing)
-    history = operation.history
+    load, stiffness, history = load_factor(bearing), stiffness_factor(bearing), operation.history
     if history is not None:
         of_section = type(history.load)(history.load.c / load, history.load.x)
         unbalance, rotating = history.unbalance / load, history.rotating_load / load

@@ -26,14 +26,9 @@ class Terminated(KeyboardInterrupt):
     """SIGTERM outside of a run: undoes what Ctrl-C undoes."""
 
 
-def hear_termination() -> None:
-    """Turn SIGTERM into Terminated from now on; a second one ends the process at once."""
-
-    def handle(number, frame):
-        signal.signal(number, signal.SIG_DFL)
-        raise Terminated
-
-    signal.signal(signal.SIGTERM, handle)
+def _terminate(number, frame):
+    signal.signal(number, signal.SIG_DFL)  # a second one ends the process at once
+    raise Terminated
 
 
 def hold_signals(hold: bool = True) -> None:
@@ -54,14 +49,13 @@ def entry(main: Callable[[], int] | str) -> Callable[[], None]:
 
     def command():
         gc.set_threshold(MOST_YOUNG)
-        hear_termination()
+        signal.signal(signal.SIGTERM, _terminate)
         leave(main() if callable(main) else getattr(import_module(main.partition(":")[0]), main.partition(":")[2])())
 
     return command
 
 
 def new_app(name: str, text: str) -> App:
-    """A command."""
     app = App(
         name=name, version=VERSION, suppress_keyboard_interrupt=False, result_action="return_value",
         help_format="plaintext", default_parameter=Parameter(negative=""),
@@ -80,21 +74,16 @@ def new_app(name: str, text: str) -> App:
     return app
 
 
-def open_streams() -> None:
-    """Make both streams ready for any text."""
-    for name in ("stdout", "stderr"):  # closed ones' numbers would go to the next file opened, and complaints into that
-        if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))
-        elif hasattr(stream := getattr(sys, name), "reconfigure"):
-            stream.reconfigure(errors="replace")  # of a code page that lacks the minus sign
-
-
 def run_app_main(app: App, arguments: list[str] | None = None, before: Callable[[], None] = lambda: None) -> int:
     """Exit code of a command. A user's mistake gives a few lines on stderr, never a traceback.
 
     `before` : looks whether the program can be used here, UsageError
     """
-    open_streams()
+    for name in ("stdout", "stderr"):  # closed ones' numbers would go to the next file opened, and complaints into that
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))
+        elif hasattr(stream := getattr(sys, name), "reconfigure"):
+            stream.reconfigure(errors="replace")  # of a code page that lacks the minus sign
     try:
         hold_signals(False)
         before()

@@ -116,10 +116,7 @@ def touching_distances(bearing: Bearing) -> tuple[float, float]:
 
 
 def nothing_carries(bearing: Bearing, angle: ndarray, load) -> str | None:
-    """A sentence where no roller is in the way of a load, (2,), as where those of half a turn are missing.
-
-    `angle` : (n_rollers,), rad from +x
-    """
+    """A sentence where no roller, at angles from +x, rad, bears a load, (2,): those of half a turn are missing."""
     ahead = np.mod(angle - np.arctan2(load[1], load[0]), 2.0 * np.pi)
     bare = ahead.min() + (2.0 * np.pi - ahead).min()
     if not bearing.missing or bare < np.pi - STRAIGHT:

@@ -79,8 +79,7 @@ def passing(
     """The equilibria that give a start its velocities; without these why not, unless nothing turns or none is near.
 
     Elastic waves excited by such a start are of second order in the rolling speed over the wave speed. Where the hub
-    cannot follow the equilibria (in clearance, balanced on one roller) or they do not follow each other a run starts
-    without velocities.
+    can't follow (in clearance, balanced on one roller) or equilibria don't follow each other a run starts at rest.
 
     at : the equilibrium, with a `hub`, at a time, s; stiffness : of the hub, (2, 2), N/m, at the start
     way : m, that contacts roll meanwhile
@@ -102,8 +101,7 @@ def passing(
 def places_moving(now: Statics, found: Passing | None) -> ndarray:
     """Rates of all places, (4 + 2 n_rollers,), by equilibria around a start; None: at rest.
 
-    A roller on which little bears may stand at several tilts: where its tilts do not follow each other it has no rate
-    of them.
+    A roller on which little bears may stand at several tilts: where these do not follow each other they have no rate.
     """
     if found is None:
         return np.zeros(now.moved.size)
@@ -132,15 +130,6 @@ def _moving(bearing, operation, ring, moved, rates, tilts=None):
     return State(x=moved[0], y=moved[1], rho=moved[radii], theta=theta, x_rate=rates[0], y_rate=rates[1],
         rho_rate=rates[radii], theta_rate=np.zeros_like(theta) + kinematics(bearing, *operation.ring_speeds).cage,
         ring_x=ring[0], ring_y=ring[1], tilts=tilts)  # fmt: skip
-
-
-def rest_state(bearing: Bearing, operation: Operation) -> FirstState:
-    """Rings centred, contacts undeformed, elements at cage speed."""
-    still, alone = np.zeros(4 + 2 * bearing.n_rollers), replace(operation.mounting, shaft=None)
-    centred = still.copy()
-    centred[4 : 4 + bearing.n_rollers] = bearing.pitch_radius
-    ring = ring_place(alone, weight_on_springs(bearing, operation), lambda _: np.zeros(2))
-    return FirstState(_moving(bearing, operation, ring, centred, still))
 
 
 def equilibrium_state(
@@ -268,16 +257,17 @@ class Problem:
 
     @cached_property
     def first_state(self) -> FirstState:
-        """The state at t = 0, and what to say of it.
-
-        RuntimeError: no equilibrium to start from.
-        """
-        operation = self.operation
-        if self.start == "rest" and self.axial is None:
-            return rest_state(self.bearing, operation)
+        """The state at t = 0, and what to say of it. RuntimeError: no equilibrium to start from."""
+        bearing, operation = self.bearing, self.operation
+        if self.start == "rest" and self.axial is None:  # rings centred, contacts undeformed, elements at cage speed
+            still, alone = np.zeros(4 + 2 * bearing.n_rollers), replace(operation.mounting, shaft=None)
+            centred = still.copy()
+            centred[4 : 4 + bearing.n_rollers] = bearing.pitch_radius
+            ring = ring_place(alone, weight_on_springs(bearing, operation), lambda _: np.zeros(2))
+            return FirstState(_moving(bearing, operation, ring, centred, still))
         if self.load_ramp > 0.0:
             operation = replace(operation, radial_load=0.0, side_load=0.0, history=None)
-        return equilibrium_state(self.bearing, operation, self.laws, self.axial)
+        return equilibrium_state(bearing, operation, self.laws, self.axial)
 
 
 def sampled(problem: Problem, time: ndarray, state: State) -> dict[str, ndarray]:
@@ -292,8 +282,7 @@ def sampled(problem: Problem, time: ndarray, state: State) -> dict[str, ndarray]
     ring_x, ring_y = zero + state.ring_x, zero + state.ring_y
     x, y = ring_x + state.x, ring_y + state.y  # in the fixed frame
     kinetic = motion.kinetic_energy(bearing, operation, state, hub)
-    found = dict(
-        time=time,
+    found = dict(time=time,
         inner_x=x, inner_y=y, inner_ax=-left[0] / operation.inner_mass, inner_ay=-left[1] / operation.inner_mass,
         inner_vx=zero + state.x_rate + state.ring_x_rate, inner_vy=zero + state.y_rate + state.ring_y_rate,
         roller_x=ring_x[:, None] + state.rho * np.cos(state.theta),

@@ -1,7 +1,4 @@
-"""Kinematics of an ideal bearing: rolling without slip between two rings that may both turn.
-
-Equation (2) of docs/operation.md.
-"""
+"""Kinematics of an ideal bearing: rolling without slip between two rings that may turn: (2) of docs/operation.md."""
 
 from dataclasses import dataclass
 from math import pi
@@ -35,13 +32,9 @@ class Kinematics:
         ring's turns are a line where it turns.
         """
         shaft, cage, ring = (speed / (2.0 * pi) for speed in (self.shaft, self.cage, self.outer_ring))
-        found = {
-            "shaft": abs(shaft),
-            "FTF": abs(cage),
-            "BSF": abs(self.roller - self.cage) * self.cosine / (2.0 * pi),
-            "BPFO": self.n_rollers * abs(cage - ring),
-            "BPFI": self.n_rollers * abs(shaft - cage),
-        }
+        spin = abs(self.roller - self.cage) * self.cosine / (2.0 * pi)
+        passed = {"BPFO": self.n_rollers * abs(cage - ring), "BPFI": self.n_rollers * abs(shaft - cage)}
+        found = {"shaft": abs(shaft), "FTF": abs(cage), "BSF": spin, **passed}
         return found | {OUTER_RING: abs(ring)} if ring else found
 
 
@@ -64,8 +57,7 @@ def kinematics_met(bearing: Bearing, operation: Operation) -> Kinematics:
 
 
 def fastest_kinematics(bearing: Bearing, operation: Operation) -> Kinematics:
-    """Rolling without slip where contacts run fastest along the surfaces in a run, the shaft, or else the outer ring,
-    counter-clockwise."""
+    """Rolling without slip where contacts run fastest; of the shaft, or else the outer ring, counter-clockwise."""
     inner, outer = operation.ring_speeds_met
     met = kinematics(bearing, inner, outer)
     k = int(np.argmax(np.abs(met.roller - met.cage)))
@@ -74,10 +66,7 @@ def fastest_kinematics(bearing: Bearing, operation: Operation) -> Kinematics:
 
 
 def mean_kinematics(bearing: Bearing, operation: Operation, time: float) -> Kinematics | None:
-    """Rolling without slip on the mean up to a time, s.
-
-    None where a ring turns both ways: a slip over the mean has no meaning.
-    """
+    """On the mean up to a time, s; None where a ring turns both ways: a slip over the mean has no meaning."""
     history = operation.history
     if history is None or not history.varies_speed or time <= 0.0:
         return kinematics(bearing, *operation.ring_speeds)

@@ -12,14 +12,8 @@ from typing import NamedTuple
 
 G = 9.80665  # m/s², standard gravity
 ENGINEERING = {  # by the SI unit: the factor, and the unit that numbers printed for people have; others stay
-    "m": (1e6, "µm"),
-    "rad": (180.0 / pi, "°"),
-    "rad/s": (1.0 / tau, "Hz"),
-    "m/s2": (1.0 / G, "g"),
-    "N/m": (1e-6, "N/µm"),
-    "Pa": (1e-6, "MPa"),
-    "1": (1.0, ""),
-}
+    "m": (1e6, "µm"), "rad": (180.0 / pi, "°"), "rad/s": (1.0 / tau, "Hz"), "m/s2": (1.0 / G, "g"),
+    "N/m": (1e-6, "N/µm"), "Pa": (1e-6, "MPa"), "1": (1.0, "")}  # fmt: skip
 
 
 def engineering(unit: str) -> tuple[float, str]:

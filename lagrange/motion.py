@@ -202,16 +202,14 @@ def contact_state(
     laws : of tilted contacts where the state has tilts
     damping : of each closed contact, or what it has given; it never makes a contact pull
 
-    Errors: Round-off: forces to about 1e-14 relative, of exactly known coordinates; the last digit of ρ itself is 3e-18
-    m.
+    Errors: round-off: forces to about 1e-14, relative, of exactly known coordinates; the last digit of ρ is 3e-18 m.
 
     Source: (18), (19), (24)-(27) of the paper.
     """
     turns, tilts = state.turns, state.tilts
     found = overlaps(bearing, state.x, state.y, state.rho, state.theta).on_surfaces(bearing, turns)
     at = None if tilts is None else misalignments(found, tilts)
-    # of inner and outer contacts
-    slopes = (0.0, 0.0) if at is None else at[:2]
+    slopes = (0.0, 0.0) if at is None else at[:2]  # of inner and outer contacts
     springs = list(map(met, laws, (found.inner, found.outer), slopes, found.surfaces))
     found = found.at_contact(*map(falls, springs, found.surfaces))
     vx, vy = np.asarray(state.x_rate)[..., None], np.asarray(state.y_rate)[..., None]

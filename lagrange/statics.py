@@ -90,16 +90,9 @@ def _condensed(stiffness, kept):
 
 
 def static_equilibrium(
-    bearing: Bearing,
-    operation: Operation,
-    laws: ContactLaws,
-    *,
-    angles: ndarray | None = None,
-    roller_mass: float | None = None,
-    start: Place | None = None,
-    turns: Turns = UNTURNED,
-    ring: Place = (0.0, 0.0),
-) -> Statics:
+    bearing: Bearing, operation: Operation, laws: ContactLaws, *, angles: ndarray | None = None,
+    roller_mass: float | None = None, start: Place | None = None, turns: Turns = UNTURNED, ring: Place = (0.0, 0.0),
+) -> Statics:  # fmt: skip
     """Equilibrium under load, weights and the elements' centrifugal force at cage speed.
 
     angles : (n_rollers,), rad; default: equally spaced from the operation's first angle
@@ -177,14 +170,9 @@ class _Point(NamedTuple):
 
 
 def tilted_equilibrium(
-    bearing: Bearing,
-    operation: Operation,
-    laws: Sequence[TiltedLaw],
-    hub: HubTilt,
-    placement: Placement,
-    start: tuple[ndarray, ndarray],
-    elastic: Elastic | None = None,
-) -> Statics:
+    bearing: Bearing, operation: Operation, laws: Sequence[TiltedLaw], hub: HubTilt, placement: Placement,
+    start: tuple[ndarray, ndarray], elastic: Elastic | None = None,
+) -> Statics:  # fmt: skip
     """Equilibrium under load, weights and centrifugal forces at cage speed.
 
     laws : of the inner and the outer contact

@@ -110,8 +110,7 @@ def fastest_of_cage(problem: Problem) -> float:
 def fastest_in_machine(bearing: Bearing, operation: Operation, inner: float, outer: float) -> float:
     """Angular frequency, rad/s, of the fastest motion of hub, elements and housing along an axis.
 
-    All contacts are closed and as stiff as these, N/m; 0 where nothing but the bearing holds the hub, and the ground
-    the outer ring.
+    All contacts are closed and as stiff as these, N/m; 0 where the bearing alone holds the hub, the ground its ring.
     """
     shaft, housing = operation.mounting.shaft, operation.mounting.housing
     if shaft is None and housing is None:
@@ -136,9 +135,8 @@ def longest_step(problem: Problem, spalls: bool = True) -> float:
 
     `spalls` : whether a contact is near one's edges.
     """
-    cage, surfaces = fastest_of_cage(problem), profiles(problem.bearing)
+    cage, surfaces, force = fastest_of_cage(problem), profiles(problem.bearing), expected_force(problem)
     speed = contact_speed(problem.bearing, problem.operation)
-    force = expected_force(problem)
     longest = min(LEAP / fastest_mode(problem, force, force), inf if cage == 0.0 else CAGE_STEP / cage)
     if surfaces is not None and speed > 0.0:
         shortest = surfaces.shortest if spalls else surfaces.shortest_of_waves

@@ -156,14 +156,9 @@ class Evaluation:
 
 
 def evaluate(
-    record: Record,
-    law: str | PowerLaw | LogarithmicLaw | DampedLaw | None = None,
-    start: float | None = None,
-    order: int = 6,
-    watch: tuple[str, ...] = (),
-    band: tuple[float, float] | None = None,
-    fit: bool = False,
-) -> Evaluation:
+    record: Record, law: str | PowerLaw | LogarithmicLaw | DampedLaw | None = None, start: float | None = None,
+    order: int = 6, watch: tuple[str, ...] = (), band: tuple[float, float] | None = None, fit: bool = False,
+) -> Evaluation:  # fmt: skip
     """Put a run's record into equations (22), (23) and analyse what is left.
 
     law : name in `lagrange.contact.laws.law_names`; "fitted" or "fitted_damped", to the record's first half; a law;

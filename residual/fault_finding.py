@@ -4,8 +4,7 @@ Three samples of a roller depend on the surfaces that it meets between them, by 
 medians of all passages by each body's own angle, show how deep rollers find the surface there beyond perfect circles. A
 spall is deep in every passage at its own angle of its own body; by the angle of any other body its passages lie
 scattered, and the median does not show them; waves have no single deepest place. For each suspect place the spall is
-sought that explains most, the best of them is found, what it explains is taken out, and the search goes on until
-nothing stands out.
+sought that explains most, the best of them is found, what it explains is taken out, and so on until none stands out.
 """
 
 from collections.abc import Callable, Sequence
@@ -108,8 +107,7 @@ class RollerMotion:
     def scale(self) -> float:
         """Factor of the law's forces by which they carry the hub's load; 1 where that is small, as with a preload.
 
-        One factor for all contacts: neighbours that press on the same ring, and bending rings, are in it on the
-        average.
+        One factor for all contacts: neighbours that press on the same ring, and bending rings, are in it on average.
         """
         force, load, (load_x, load_y) = self.law(self.inner), np.hypot(*self.load), self.load
         loaded = (load > 0.0) & (load >= SMALL_LOAD * force.max(initial=0.0))

@@ -321,10 +321,9 @@ def fit_sentences(e: Evaluation) -> list[str]:
         rms_old, rms_new, mean_old, mean_new = cells(old.rms, new.rms, old.mean, new.mean)
         changes.append(f"in {axis} {rms_old} → {rms_new} N rms{part}, mean {mean_old} → {mean_new} N")
     for d in e.directions:  # the largest term first
-        terms = sorted(
-            ((rms(v[found.samples :]), n.replace("_", " ")) for n, v in d.budget.terms.items()), reverse=True
-        )
-        left.append(f"in {d.name} " + ", ".join(f"{term} {text(v, 3)}" for v, term in terms if v > e.noise))
+        terms = ((rms(v[found.samples :]), n.replace("_", " ")) for n, v in d.budget.terms.items())
+        parts = (f"{term} {text(v, 3)}" for v, term in sorted(terms, reverse=True) if v > e.noise)
+        left.append(f"in {d.name} {', '.join(parts)}")
     damping = "" if found.damping is None else f", d = {interval(found.damping)} N s/m"
     sentences = [
         f"Fitted: K = {interval(found.stiffness, 1e3**-found.exponent.value)} N/mm^n, n = {interval(found.exponent)}"
@@ -341,8 +340,7 @@ def fit_sentences(e: Evaluation) -> list[str]:
 
 def vibration_sentences(e: Evaluation) -> list[str]:
     """Say what the scene's surfaces are, what check-vibration finds, which lines are high, and how they were found."""
-    diagnosis, found, names, spalled = e.diagnosis, e.x.vibration.envelope, [], set()
-    body = e.y.vibration.body
+    diagnosis, found, body, names, spalled = e.diagnosis, e.x.vibration.envelope, e.y.vibration.body, [], set()
     for fault in e.record.bearing.faults:
         place = body_name(fault)
         if isinstance(fault, Spall):

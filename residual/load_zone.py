@@ -122,5 +122,4 @@ def along_rollers(record: Record) -> AlongRollers | None:
         along.append(rows)
         edges |= ends.are_loaded(own, borne(pair, found)).any()
     angle = 2.0 * pi * ((np.arange(BINS) + 0.5) / BINS - 0.5)
-    time = float(record.time[sample])
-    return AlongRollers(slices[0].place, angle, around, time, rollers, np.array(along), edges)
+    return AlongRollers(slices[0].place, angle, around, float(record.time[sample]), rollers, np.array(along), edges)

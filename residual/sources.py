@@ -68,9 +68,8 @@ def check_readable(path: Path) -> None:
 def read_result(path: str | Path) -> Record:
     """Read a run's result file up to its last committed sample.
 
-    InputError: no such file, not HDF5, damaged (also by its checksums), another program's, another format
-    version, variables missing, of the wrong shape, not finite or in another file, irregular time, too few samples,
-    too large.
+    InputError: no such file, not HDF5, damaged (also by its checksums), another program's, another format version,
+    variables missing, of the wrong shape, not finite or in another file, irregular time, too few samples, too large.
     """
     path = Path(path)
     check_readable(path)
@@ -351,8 +350,7 @@ def even_clock(time: np.ndarray) -> tuple[np.ndarray, str] | None:
 def _resample(path, arrays):
     """Bring arrays to as many equal steps; a note.
 
-    InputError: a gap of more than ten intervals. Vibration above a quarter of the mean sampling rate is not to be
-    trusted afterwards.
+    InputError: a gap of more than ten intervals. Vibration above a quarter of the mean sampling rate is then unsound.
     """
     from scipy.interpolate import make_interp_spline
 

@@ -1,8 +1,7 @@
 """Derivatives and spectra of a uniformly sampled signal: stencils, power density, peaks, envelope; levels.
 
 Units are those of an error force, N; of an acceleration read m/s² for N. Something that strikes once per roller makes a
-resonance ring each time: its frequency shows in the envelope of a band that holds the resonance, not at low frequency
-itself.
+resonance ring each time: its frequency shows in the envelope of a band that holds the resonance, not at low frequency.
 
 The integrator's own three-point second difference is useless for a check: at the integrator's step it returns the
 scheme itself, whatever the error in time. The stencils here are wider, so the balance they give is a test. Near the
@@ -51,10 +50,7 @@ def _weights(first, last, derivative):
 
 
 def stencil(order: int, derivative: int = 2) -> np.ndarray:
-    """Weights of the central stencil, (order + 1,), for a unit interval.
-
-    ValueError: an order other than 4, 6, 8.
-    """
+    """Weights of the central stencil, (order + 1,), for a unit interval. ValueError: an order other than 4, 6, 8."""
     if order not in ORDERS:
         raise ValueError(f"order = {order}: must be one of {', '.join(map(str, ORDERS))}")
     return _weights(-(order // 2), order // 2, derivative)
@@ -103,8 +99,7 @@ def floor(signal, interval: float, order: int = 6, eps: float = np.finfo(float).
     """Estimate the error of the second derivative of one signal, (n_times,), stored with a relative precision `eps`.
 
     Truncation is what the stencil's gain takes from the derivative's own spectrum: right to a few per cent where the
-    signal is sampled finely enough. Motion beyond the Nyquist frequency it can't know, nor the last order/2 samples at
-    either end.
+    signal is sampled finely enough. Motion beyond the Nyquist frequency it can't know, nor order/2 samples at each end.
     """
     signal = np.asarray(signal, dtype=float)
     spectrum = power_spectrum(derivative(signal, interval, order=order), interval)

@@ -20,13 +20,9 @@ class Page(NamedTuple):
 
 
 def write_folder(
-    folder: str | Path,
-    program: str,
-    summary: dict[str, Any],
-    page: Page,
-    draw: Callable[[Path], dict[str, list]] | None = None,
-    more: Callable[[Path], None] = lambda fresh: None,
-) -> dict[str, Any]:
+    folder: str | Path, program: str, summary: dict[str, Any], page: Page,
+    draw: Callable[[Path], dict[str, list]] | None = None, more: Callable[[Path], None] = lambda fresh: None,
+) -> dict[str, Any]:  # fmt: skip
     """Write a page, its figures and summary.json into a folder, which appears whole or not at all; gives the summary.
 
     summary : numbers of summary.json, to which program, version and names of all files are added

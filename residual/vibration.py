@@ -150,8 +150,7 @@ def named_peaks(
 ) -> list[Peak]:
     """Name peaks without a line after a resolved sideband within half a bin.
 
-    Those near the hub's resonance in the spectrum's direction, Hz, are named so too; peaks of no more than the noise,
-    N rms, are left out.
+    Those near the hub's resonance there, Hz, are named so too; peaks of no more than the noise, N rms, are left out.
     """
     bands = [level for level in line_levels(spectrum, lines) if level.name not in lines]
     named, near = list[Peak](), 0.5 * spectrum.resolution  # Hz

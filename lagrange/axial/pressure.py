@@ -121,8 +121,7 @@ class PeakTable(NamedTuple):
 def peak_table(slices: Slices, pair: Pair, end: Ends, largest_force: float, steepest: float) -> PeakTable:
     """The table up to a force, N, and up to the M/Q that a slope, rad, either way makes; `end` : of its profiles.
 
-    Errors: 0.05 % of the largest peak beside `pressures` (root mean square), 1 % at worst. RuntimeError: as
-    `Slices.forces`.
+    Errors: 0.05 % rms of the largest peak beside `pressures`, 1 % at worst. RuntimeError: as `Slices.forces`.
     """
     turn = np.linspace(-1.0, 1.0, 2 * SLOPES + 1)
     slope = steepest * turn * np.abs(turn)  # narrower about 0, where small forces have their moments

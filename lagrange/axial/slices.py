@@ -336,8 +336,7 @@ def without_part(slices: Slices, whole: ContactTable) -> ContactTable:
 def _on_grid(slices, first, step, count, by_slope, half):
     """The table through u at knots: first approach, its step, m, and their number; step of slope, rad, either way.
 
-    Where the contact is open u goes on as −u of the same depth beyond the opening: no kink there that a spline would
-    ring from.
+    Where the contact is open u goes on as −u of the same depth beyond the opening: a spline would ring from a kink.
     """
     slope, drop = by_slope * np.arange(-half, half + 1), slices.drop
     is_symmetric = np.allclose(drop, drop[::-1], rtol=1e-12, atol=0.0)  # a slope and its opposite have the same energy

@@ -90,10 +90,7 @@ class LogarithmicLaw(Line):
         return self.compliance * self.largest_force * (self.level - np.log(self.largest_force))
 
     def _terms(self, approach):
-        """Energy, force and stiffness by u = B − ln Q: u − ln u = B + ln(S/δ), the root above 1.
-
-        By Newton's method, to round-off.
-        """
+        """Energy, force, stiffness by u = B − ln Q: u − ln u = B + ln(S/δ), u > 1; by Newton's method, to round-off."""
         depth = np.asarray(approach, dtype=float)
         inside = np.minimum(np.maximum(depth, SHALLOWEST), self._largest_approach)  # np.clip is slow
         target = (self.level + np.log(self.compliance)) - np.log(inside)
@@ -146,8 +143,7 @@ def johnson(bearing: Bearing, side: Side) -> LogarithmicLaw:
     The outer ring, of thickness t behind the raceway, has ln(2 t/b) − ν/(2(1 − ν)) in its bracket instead: the approach
     of a point at depth t in a half-space.
 
-    Source: Johnson, Contact Mechanics (1985), 5.6; Tripp, Hertzian Contact in Two and Three Dimensions, NASA
-    (1985).
+    Source: Johnson, Contact Mechanics (1985), 5.6; Tripp, Hertzian Contact in Two and Three Dimensions, NASA (1985).
     Range: plane strain, unrelieved ends, b well below R and t; the inner ring as a solid cylinder.
     """
     R1, (c1, c2) = bearing.element_radius, compliances(bearing, side)
@@ -184,8 +180,7 @@ def contact_laws(name: str, bearing: Bearing) -> ContactLaws:
 
     name : of `law_names`; "tripp" is "johnson", "power" the bearing's own
 
-    ValueError: an unknown name, or a law that isn't for this bearing's rolling elements; the message lists the
-    known.
+    ValueError: an unknown name, or a law that isn't for this bearing's rolling elements; the message lists the known.
     """
     known, name = law_names(bearing), "johnson" if name == "tripp" else name
     if name == OWN and name not in known:

@@ -225,10 +225,6 @@ def _turns(scene):
     return (name := scene.operation.turns_outer_ring) and f"operation.{name}"
 
 
-def _changes(scene):
-    return (name := scene.operation.changes) and f"operation.{name}"
-
-
 def _stated(table, name, before=""):
     """A dotted key, or "key=value", as a scene writes it; None: it has none, its default, 0, or another value."""
     name, _, inner = name.partition(".")
@@ -290,37 +286,30 @@ REFUSED: tuple[tuple[Condition, Condition, str], ...] = (
     (_bore, OTHER, f"{SUBGRID}{EITHER}"),
     ("damping.bodies_1_s", f"not {MESH}",
      "{0}: only for bodies with meshes, which model = '{t.model}' has none of; leave it out, or use model = 'fem'"),
-    (DAMPED, OTHER_ON_MESHES,
-     f"{SUBGRID}, whose points of pressure stand for part of a contact{EITHER}"),
+    (DAMPED, OTHER_ON_MESHES, f"{SUBGRID}, whose points of pressure stand for part of a contact{EITHER}"),
     (IN_HOUSING, lambda s: _bore(s) or _has(s, POINTS),
      f"{{0}}: not with the [support] of an outer ring that its housing does not hold all around{EITHER}"),
-    (_changes, OTHER_ON_MESHES, COMPARES),
+    (lambda s: (name := s.operation.changes) and f"operation.{name}", OTHER_ON_MESHES, COMPARES),
     ("lubricant", BALLS, '{0}: films are those of line contacts, not with bearing.type = "ball"; leave it out'),
     (OF_ROLLERS, ANGLE,
      "{0}: a section's rollers turn faster than those of a bearing with contact_angle_deg; leave one of them out"),
-    (POINTS, ANGLE, RADIAL),
-    (_bore, ANGLE, RADIAL),
-    ("fit", ANGLE, RADIAL),
+    (POINTS, ANGLE, RADIAL), (_bore, ANGLE, RADIAL), ("fit", ANGLE, RADIAL),
     (OF_ROLLERS, MISSING, f"{{0}}: not together with bearing.missing_rollers{EITHER}"),
     ("unequal_roller", MISSING, f"{{0}}: not together with bearing.missing_rollers{EITHER}"),
     ("fit", SOLID, f"{{0}}: of a ring on a shaft; bearing.bore_diameter_mm = 0 is a solid one{EITHER}"),
     (SOLID, OTHER_ON_MESHES, f"{SUBGRID}, whose ring is held at its bore{EITHER}"),
     (ANGLE, OTHER_ON_MESHES, f"{SUBGRID}, whose circles are as curved as bodies{EITHER}"),
     ("axial", OTHER_ON_MESHES, f"{SUBGRID}, whose law is that of slices{EITHER}"),
-    (RIGID, f"axial and {MESH}",
-     f"{{0}}: not together with [axial], whose slices are those of elastic bodies{EITHER}"),
-    (PART, "not axial",
-     "{0}: needs an [axial] table (an empty one is enough); or leave length_mm out"),
+    (RIGID, f"axial and {MESH}", f"{{0}}: not together with [axial], whose slices are those of elastic bodies{EITHER}"),
+    (PART, "not axial", "{0}: needs an [axial] table (an empty one is enough); or leave length_mm out"),
     ("bearing.rows", "axial", f"{{0}}: not together with [axial], whose slope loads rows unequally{EITHER}"),
     (DAMPED, f"axial and {MESH}",
      '{0}: not together with [axial] on meshes; use model = "reduced", or leave one of them out'),
     ("axial", BALLS, '{0}: only for rollers, not with bearing.type = "ball"; leave it out'),
-    ("axial", ANGLE,
-     "{0}: of rollers whose axis is the shaft's, not with contact_angle_deg; leave one of them out"),
+    ("axial", ANGLE, "{0}: of rollers whose axis is the shaft's, not with contact_angle_deg; leave one of them out"),
     (_turns, "support.kind", '{0}: only with support.kind = "held", not with "{t.support.kind}": '
         f"whatever turns with the outer ring holds it all around{EITHER}"),
-    (_turns, "fit",
-     f"{{0}}: not with [fit], whose housing stands still; give the operating clearance{EITHER}"),
+    (_turns, "fit", f"{{0}}: not with [fit], whose housing stands still; give the operating clearance{EITHER}"),
     (NOT_ROUND, OTHER_ON_MESHES, f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"))
 
 

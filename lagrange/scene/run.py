@@ -106,14 +106,12 @@ class OperationTable(Table):
                 yield f'{speed} = {given:g}: {name} = "{file}" starts at {first:g}; leave {speed} out'
 
     RULES = (
-        only("unbalance_deg", "unbalance_g_mm"),
-        only("rotating_load_deg rotating_load_with", "rotating_load_N"),
+        only("unbalance_deg", "unbalance_g_mm"), only("rotating_load_deg rotating_load_with", "rotating_load_N"),
         (lambda t: t.shaft == "springs" and t.shaft_stiffness_N_per_m is None, 'shaft = "springs" needs '
             'shaft_stiffness_N_per_m, e.g. 1e7'),
         only("shaft_stiffness_N_per_m shaft_damping_N_s_m", "shaft", "springs"),
         (lambda t: t.load_table is not None and t.radial_load_N > 0.0, 'radial_load_N = {t.radial_load_N:g}: '
-            'load_table = "{t.load_table}" is the whole load; leave out one of them'),
-        _first_speeds)
+            'load_table = "{t.load_table}" is the whole load; leave out one of them'), _first_speeds)
 
     def springs(self) -> Shaft | None:
         """What holds the shaft beside the bearing, in SI; None: nothing."""
@@ -299,9 +297,8 @@ def fitted_law(text: str, decimal: str = ".") -> OwnLaw:
     """The power law Q = K δ^n of both raceways with the least squares of relative differences, ln Q over ln δ.
 
     The table has columns `force [N], approach [um]`, or other units, as `force [kN]` or `force_kN`. A row without force
-    and approach says nothing of K and n. ValueError, a sentence on the text: columns or units
-    missing, rows that can't be read, fewer than three rows, values that are not positive, approaches all alike, an
-    exponent outside 1 to 3.
+    and approach says nothing of K and n. ValueError, a sentence on the text: columns or units missing, rows that can't
+    be read, fewer than three rows, values that are not positive, approaches all alike, an exponent outside 1 to 3.
     """
     units = {"force_N": FORCES, "approach_m": LENGTHS}
     rows = columns(text, tuple(units), decimal, units)

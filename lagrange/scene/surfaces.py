@@ -23,8 +23,7 @@ class SurfaceTable(Table):
 
     RULES: ClassVar[tuple[Rule, ...]] = (
         (lambda t: t.body == "roller" and t.roller is None, 'body = "roller" needs the number of the roller, e.g. '
-            'roller = 0 for the first'),
-        only("roller", "body", "roller"))
+            'roller = 0 for the first'), only("roller", "body", "roller"))
 
     @property
     def reference(self) -> float:

@@ -1,11 +1,10 @@
 """Imperfect surfaces as contacts meet them: how far the centres of two bodies come nearer than perfect circles allow.
 
-This sinkage is a smooth periodic function of where on a body the contact lies: a cubic spline, the same for rigid
-and elastic bodies, equations and checker. It is subtracted from the overlap of the circles, and its slope turns the
-force: all forces stay the gradient of one potential. At the edges of spalls line contacts are softer: a compliance c,
-a spline as well, stands in series with the contact's law; balls meet edges with their groove's law. The potential at
-a given overlap then changes along a surface by −Q σ' − ½ Q² c': in all that asks for slopes, c adds ½ Q c' to that
-of σ.
+This sinkage is a smooth periodic function of where on a body the contact lies: a cubic spline, the same for rigid and
+elastic bodies, equations and checker. It is subtracted from the overlap of the circles, and its slope turns the force:
+all forces stay the gradient of one potential. At the edges of spalls line contacts are softer: a compliance c, a spline
+as well, stands in series with the contact's law; balls meet edges with their groove's law. The potential at a given
+overlap then changes along a surface by −Q σ' − ½ Q² c': in all that asks for slopes, c adds ½ Q c' to that of σ.
 
 Equation (2) of docs/surfaces.md.
 """

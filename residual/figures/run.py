@@ -394,8 +394,7 @@ def _overlay(e, number, found):
         axes[0].plot(at, forces, "o", color=RED, markersize=3.0, label="strikes", zorder=5)
         caption += (
             f" Dots: impacts, the first large peak after a roller was released; their medians are "
-            f"{np.median(forces):.0f} N and {text(0.5 + 0.5 * np.median(at) / half, 2)} of the crossing from "
-            "the entry."
+            f"{np.median(forces):.0f} N and {text(0.5 + 0.5 * np.median(at) / half, 2)} of the crossing from the entry."
         )
     legend_above(axes[0], 3)
     axes[0].set(ylim=(0.0, None), xlim=(-SHOWN * half, SHOWN * half))

@@ -1,104 +1,141 @@
-"""Verdicts on records whose truth is known: a folder of measured ones, or synthetic ones; and the time of one.
+"""Verdicts on records whose truth is known: `python -m benchmarks.measured_records SECTION [OPTIONS]`.
 
-    python -m benchmarks.measured_records FOLDER
-    python -m benchmarks.measured_records --synthetic 300 --seed 2026
-    python -m benchmarks.measured_records --time
-
-A measured record is an .npz with `x` and `scale`, `rate` (Hz), `shaft` (nominal, Hz), `label` (outer, inner, element,
-none), `width_mm`, and `geometry`: number of rolling elements, their diameter and the pitch diameter in mm, contact
-angle in degrees. `--wide O_=7` takes 7 % as the tolerance of speed for names that begin with O_.
+A folder of measured ones holds .npz files with `x` and `rate` (Hz) and a table `truth.csv`: name, true (outer, inner,
+none), shaft (nominal, Hz), number of rolling elements, their diameter and the pitch diameter (mm), contact angle (°),
+tolerance of the speed (%), width of the damage (mm; empty: unknown).
 """
 
-import time
+import csv
 from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from itertools import product
 from math import radians
 from pathlib import Path
 
 import numpy as np
-from cyclopts import App
+from scipy.signal import decimate
 
 from benchmarks import median_seconds
-from residual.measured.diagnosis import BODIES, DEEP, HARMONICS, Diagnosis, Geometry, damage_width, diagnose
+from fem.interface import simulate
+from lagrange.errors import InputError
+from lagrange.scene.scene import parse_scene
+from residual.measured import diagnosis as judging
+from residual.measured.diagnosis import BODIES, Geometry, diagnose
+from residual.measured.judged import damage_width
 from residual.measured.signals import Signal
-from tests.reference.synthetic_record import Truth, drawn, synthetic_record
+from tests.measurements import markdown_table, program
+from tests.reference.synthetic_record import Run, drawn, synthetic_record
 
-SPEEDS_OFF = 0.05  # of synthetic records, at most
-NEAR = np.linspace(-3e-3, 3e-3, 31)  # of a line, where its depth is looked for
-
-
-def measured(folder: Path, tolerance: float, wide: dict[str, float]) -> None:
-    """Print the table of a folder."""
-    print("| record | true | verdict | line found / kinematic, Hz | above others, σ | depth | width, mm | seconds |")
-    print("|---|---|---|---|---|---|---|---|")
-    for path in sorted(folder.glob("*.npz")):
-        with np.load(path) as file:
-            values, rate, shaft = file["x"] * float(file["scale"]), float(file["rate"]), float(file["shaft"])
-            count, diameter, pitch, angle = map(float, file["geometry"])
-            label, known = str(file["label"]), float(file["width_mm"])
-        own = next((t for start, t in wide.items() if path.name.startswith(start)), tolerance)
-        signal = Signal(name=path.stem, values=values - values.mean(), rate=rate, unit="")
-        geometry = Geometry(
-            elements=int(count), element_diameter=1e-3 * diameter, pitch_diameter=1e-3 * pitch,
-            contact_angle=radians(angle),
-        )  # fmt: skip
-        begun = time.process_time()
-        found = diagnose(signal, geometry, shaft, 1e-2 * own)
-        width = damage_width(signal, geometry, found)
-        best, spent = found.findings[0], time.process_time() - begun
-        wide = "-" if width.value is None else f"{1e3 * width.value:.2f} ({1e3 * width.low:.2f}–{1e3 * width.high:.2f})"
-        true = label + ("" if label == "none" or not known > 0.0 else f", {known:.2f} mm")
-        print(f"| {path.stem} | {true} | {found.verdict} | {best.name} {best.found:.2f} / {best.expected:.2f} | "
-              f"{best.clear:.1f} | {best.depth:.2f} | {wide} | {spent:.2f} |")  # fmt: skip
+PAGE = "measured_records"
+COUNT, TOLERANCES = 600, (0.3, 1.0, 3.0, 7.0)  # of drawn records; of their speeds, per cent
+SPEEDS_OFF, DEPTH = 0.06, 0.2  # of nominal speeds, at most; of the whole band, from which damage is to be found
+NEAR = np.linspace(-0.012, 0.012, 97)  # of a line, where its depth is looked for
+BEARINGS = (  # designation, rpm, N
+    ("NU206", 2700.0, 3000.0), ("NU210", 1500.0, 5000.0), ("NU308", 1480.0, 6000.0), ("NU2206", 3000.0, 3000.0),
+    ("NU1012", 980.0, 4000.0), ("NU212", 1800.0, 5000.0),
+)  # fmt: skip
+FAULTS = {"none": None, "outer_ring": "BPFO", "inner_ring": "BPFI", "roller": "2×BSF"}
+SPALLS = (("none", 0.0), *product(("outer_ring", "inner_ring"), (0.8, 2.5)), ("roller", 1.2))  # mm
+START, NOISE = 0.05, 0.5  # s, of a run, left out; m/s² rms, added to simulated spalls
 
 
-def depth_of(truth: Truth, found: Diagnosis) -> float:
-    """Depth of modulation of the true line."""
-    combs = np.multiply.outer(truth.line * (1.0 + NEAR), np.arange(1, HARMONICS + 1))
-    return max(float(np.linalg.norm(found.spectrum.modulation(each))) for each in combs)
+def folder(where: Path) -> Iterator[tuple]:
+    """Measured records, whole and by quarters."""
+    rows = []
+    for name, true, *numbers, width in list(csv.reader((where / "truth.csv").open(encoding="utf-8")))[1:]:
+        shaft, count, diameter, pitch, angle, tolerance = map(float, numbers)
+        with np.load(where / f"{name}.npz") as file:
+            values, rate = file["x"].astype(float), float(file["rate"])
+        geometry = Geometry(int(count), 1e-3 * diameter, 1e-3 * pitch, radians(angle))
+        verdicts = []
+        for part in (values, *np.array_split(values, 4)):
+            signal = Signal(name, part - part.mean(), rate, "")
+            try:
+                found = diagnose(signal, geometry, shaft, 1e-2 * tolerance)
+            except InputError:  # too short
+                continue
+            if not verdicts:
+                best, said = found.findings[0], damage_width(signal, geometry, found)
+            verdicts.append(f"`{found.verdict}`")
+        wide = "-" if said.value is None else "{:.2f} ({:.2f}–{:.2f})".format(*(1e3 * each for each in said[:3]))
+        rows.append([
+            name, true + (f", {width} mm" if width else ""), f"{tolerance:g}", verdicts[0],
+            ", ".join(f"{n} {v}" for v, n in Counter(verdicts[1:]).items()) or "too short",
+            f"{best.name} {best.found:.2f} / {best.expected:.2f}", f"{best.clear:.1f}",
+            f"{best.depth:.2f}, {best.deepest:.2f}", wide,
+        ])  # fmt: skip
+    head = ("record", "true", "tolerance, %", "verdict", "of its quarters", "line found / kinematic, Hz",
+            "σ above others", "depth: whole band, octave", "width, mm")  # fmt: skip
+    yield PAGE, "Public records", markdown_table(head, rows)
 
 
-def confusion(count: int, seed: int) -> None:
-    """Print the confusion matrix of records drawn by chance, half of them healthy."""
-    rng, matrix = np.random.default_rng(seed), Counter()
-    for k in range(count):
-        truth, geometry, shaft = drawn(rng, k % 2 == 0, SPEEDS_OFF)
-        found = diagnose(truth.signal, geometry, shaft, SPEEDS_OFF)
-        kind = "healthy" if k % 2 == 0 else BODIES[truth.fault]
-        if k % 2:
-            kind += f", depth ≥ {DEEP:g}" if depth_of(truth, found) >= DEEP else f", depth < {DEEP:g}"
-        matrix[kind, found.verdict] += 1
-    words = (*BODIES.values(), "trace", "uncertain", "none")
-    print(f"| true | {' | '.join(words)} |")
-    print("|---" * (1 + len(words)) + "|")
-    for kind in sorted({kind for kind, _ in matrix}):
-        print(f"| {kind} | {' | '.join(str(matrix[kind, word]) for word in words)} |")
+def simulated_run(case: tuple) -> Run:
+    """A caged bearing in a housing with an accelerometer, whole or with a spall."""
+    (designation, rpm, load), (body, width) = case
+    scene = {
+        "model": "reduced", "bearing": {"designation": designation}, "damping": {"contact_time_us": 12.5},
+        "operation": {"speed_rpm": rpm, "radial_load_N": load}, "support": {"kind": "housing"},
+        "numerics": {"duration_ms": 1500.0, "output_interval_us": 20.0}, "sensor": {"frequency_Hz": 8000.0},
+    }  # fmt: skip
+    if width:
+        scene["spall"] = [{"body": body, "width_mm": width, "edge_radius_mm": 0.3}]
+        scene["spall"][0] |= {"roller": 0} if body == "roller" else {}
+    run = simulate(parsed := parse_scene(scene, designation))
+    vibration = decimate(run["sensor_ay"][run.time > START], 2)
+    return Run(Geometry.of(parsed.perfect_bearing()), rpm / 60.0, FAULTS[body], vibration, 25_000.0)
 
 
-def timed() -> None:
-    """Print the processor time of one record of 10 s at 51.2 kHz."""
+def simulated(*, seed: int = 2031) -> Iterator[tuple]:
+    """Records of simulated caged bearings in the noise of machines; their nominal speeds are up to 6 % off."""
+    cases, rng, rows = list(product(BEARINGS, SPALLS)), np.random.default_rng(seed), []
+    with ProcessPoolExecutor() as pool:
+        runs = list(pool.map(simulated_run, cases))
+        drawn_ones = pool.map(judged, range(COUNT), [seed] * COUNT, [runs] * COUNT, chunksize=20)
+        matrix = Counter(each for found in drawn_ones for each in found)
+    for ((bearing, *_), (body, width)), run in zip(cases, runs, strict=True):
+        values = run.vibration + rng.normal(0.0, NOISE, run.vibration.size)
+        found = diagnose(Signal("run", values - values.mean(), run.rate, "m/s²"), run.geometry, run.shaft)
+        best = found.findings[0]
+        rows.append([bearing, body.replace("_", " "), f"{width:g}", f"`{found.verdict}`", f"{best.clear:.1f}",
+                     f"{best.deepest:.2f}"])  # fmt: skip
+    head = ("bearing", "spalled body", "width, mm", "verdict", "σ above others", "depth in its octave")
+    yield PAGE, "Simulated spalls", markdown_table(head, rows)
+    words, tables = (*BODIES.values(), "trace", "uncertain", "none"), []
+    for tolerance in TOLERANCES:
+        kinds = sorted({kind for kind, of, _ in matrix if of == tolerance})
+        rows = [[kind, *(str(matrix[kind, tolerance, word]) for word in words)] for kind in kinds]
+        tables.append(markdown_table([f"tolerance {tolerance:g} %: true", *(f"`{word}`" for word in words)], rows))
+    yield PAGE, "Records of simulated bearings", *tables
+
+
+def judged(k: int, seed: int, runs: list[Run]) -> list[tuple[str, float, str]]:
+    """Verdicts on one record drawn by chance, every other one healthy, at all tolerances of speed.
+
+    The depth of a fault is that of its true line in the whole band, without what a coupling adds.
+    """
+    truth, geometry, shaft = drawn(np.random.default_rng([seed, k]), k % 2 == 0, SPEEDS_OFF, runs=runs)
+    off, kind, found = abs(truth.shaft / shaft - 1.0), "healthy", []
+    if k % 2:
+        length, orders = judging.TURNS / geometry.lines(truth.shaft)["FTF"], truth.line * judging.ORDERS
+        power = judging.Prewhitened.of(truth.alone).power()
+        spectrum = judging.envelope_spectrum(*power, length, 1.3 * judging.HARMONICS * truth.line)
+        depth = max(np.linalg.norm(spectrum.modulation(orders * (1.0 + near))) for near in NEAR)
+        kind = f"{BODIES[truth.fault]}, depth {'≥' if depth >= DEPTH else '<'} {DEPTH:g}"
+    for tolerance in TOLERANCES:
+        beyond = ", speed beyond" if k % 2 and off > 1e-2 * tolerance else ""
+        verdict = diagnose(truth.signal, geometry, shaft, 1e-2 * tolerance).verdict
+        found.append((kind + beyond, tolerance, verdict))
+    return found
+
+
+def time() -> Iterator[tuple]:
+    """The processor time of one record of 5 s at 51.2 kHz."""
     geometry = Geometry(elements=9, element_diameter=7.94e-3, pitch_diameter=39.04e-3)
-    truth = synthetic_record(np.random.default_rng(1), geometry, 30.0, "BPFO", 1.0, duration=10.0, rate=51_200.0)
-    for tolerance in (0.01, 0.05):
-        taken = median_seconds(diagnose, truth.signal, geometry, 30.0, tolerance, repeats=3)
-        print(f"10 s at 51.2 kHz, tolerance {100.0 * tolerance:g} %: {taken:.2f} s of processor time")
-
-
-app = App(help=__doc__, help_format="plaintext")
-
-
-@app.default
-def main(
-    folder: Path | None = None, /, *, speed_tolerance: float = 1.0, wide: tuple[str, ...] = (), synthetic: int = 0,
-    seed: int = 2026, time: bool = False,
-) -> None:  # fmt: skip
-    """Judge records: of a folder, with a tolerance in per cent; so many synthetic ones; or tell the time of one."""
-    if folder is not None:
-        measured(folder, speed_tolerance, {start: float(t) for start, t in (each.split("=") for each in wide)})
-    if synthetic:
-        confusion(synthetic, seed)
-    if time:
-        timed()
+    truth = synthetic_record(np.random.default_rng(1), geometry, 30.0, "BPFO", 1.0, duration=5.0, rate=51_200.0)
+    seconds = median_seconds(diagnose, truth.signal, geometry, 30.0)
+    yield PAGE, "Time", markdown_table(["processor time of 5 s at 51.2 kHz, s"], [[f"{seconds:.2f}"]])
 
 
 if __name__ == "__main__":
-    app()
+    program(__doc__, "benchmarks.measured_records", folder, simulated, time)

@@ -11,7 +11,7 @@ Estimates, because makers do not publish them:
   diameter in half millimetres, below 3 mm in quarters, with which ISO 281 comes nearest to C;
 * rollers' effective length that ISO 76 needs for C0 with that many: C0 = 44 (1 − D/d_m) Z L D, N and mm;
 * balls: the diameter that ISO 76 needs for C0, in 1/32 inch, below 7 mm in 1/64, and the number with which ISO 281
-  then comes nearest to C; on a pitch circle of (d + D)/2;
+  then comes nearest to C; on the maker's pitch circle where it is known, else one of (d + D)/2;
 * raceways without clearance; the clearance is put on the outer one;
 * inner ring and shaft: steel, the ring of the bearing's width, a shaft of its bore three widths long.
 """
@@ -49,6 +49,8 @@ _DIAMETERS = *(0.25 * k for k in range(6, 12)), *(0.5 * k for k in range(6, 80))
 _SMALL_BALL, _FINE, _COARSE = 7.0, 25.4 / 64.0, 25.4 / 32.0  # mm: balls' diameters are multiples, below it of the finer
 _FEWEST_BALLS, _MOST_BALLS = 5, 20
 _ASSEMBLED = 215.0  # °, of the arc that balls of a deep-groove bearing may fill: they are put in between the rings
+_PITCHES = {"6203": 28.50, "6205": 39.04}  # mm, SKF's, by Case Western Reserve University's Bearing Data Center
+_PITCH_OFF = 0.015  # of (d + D)/2, by which others may be off: that of 6205 is 38.5 mm
 _STEEL = 7.85e-6  # kg/mm³
 SHAFT_WIDTHS = 3.0  # of the ring, length of its shaft
 # a maker's letters behind the number: design, cage, seals, clearance, tolerance
@@ -113,6 +115,13 @@ def listed(designation: object) -> tuple[str, str] | None:
     "nu 206", "NU206ECP" and "NU 206 ECP/C3" are NU206: the letters after the number name design, cage and seals.
     """
     return _listed(_written(designation)) if isinstance(designation, str) else None
+
+
+def pitch_unsure(designation: str) -> float:
+    """By how much a listed bearing's pitch diameter may be off, relative: that of two known raceways is exact."""
+    found = listed(designation)
+    row = None if found is None or found[0] in _PITCHES else entries()[_row_of(found[0])]
+    return 0.0 if row is None or None not in (row.inner, row.outer) else _PITCH_OFF
 
 
 def _written(designation):
@@ -199,7 +208,7 @@ def elements(name: str) -> Elements:
     """Estimates of what rolls in a bearing of the table. KeyError: no such bearing."""
     entry = entries()[_row_of(name)]
     if has_balls(name):
-        return _balls(entry)
+        return _balls(entry, _PITCHES.get(name, 0.5 * (entry.bore + entry.outside)))
     if entry.inner is not None and entry.outer is not None:
         return _rollers(entry, 0.5 * (entry.outer - entry.inner), _FILLED)
     filled = _NEEDLES if name.startswith("NA") else 1.0
@@ -218,8 +227,7 @@ def _rollers(entry, diameter, filled):
     return Elements(number, diameter, round(length, 1), inner, outer)
 
 
-def _balls(entry):
-    pitch = 0.5 * (entry.bore + entry.outside)
+def _balls(entry, pitch):
     tried = []
     for number in range(_FEWEST_BALLS, _MOST_BALLS + 1):
         diameter = 0.15 * (entry.outside - entry.bore)

@@ -14,7 +14,7 @@ import pytest
 from fem.commands.rate_bearing import rate_main
 from fem.commands.run_fem import run_main
 from lagrange import BallBearing
-from lagrange.catalogue import bearing_keys, elements, entries, has_balls, inner_ring_and_shaft, listed
+from lagrange.catalogue import bearing_keys, elements, entries, has_balls, inner_ring_and_shaft, listed, pitch_unsure
 from lagrange.rating import life
 from lagrange.rating.life import Dimensions, dynamic_capacity
 from lagrange.scene.bearing import BearingTable
@@ -80,7 +80,9 @@ def test_balls_and_rollers_are_those_that_others_counted():
         found = elements(name)
         assert found.number == number and found.diameter == pytest.approx(25.4 * diameter, rel=1e-3)
         outer = 0.5 * number * (1.0 - found.diameter / (found.inner + found.diameter))
-        assert outer == pytest.approx(passes, rel=5e-3)  # of a pitch circle 1 % larger than (d + D)/2
+        assert outer == pytest.approx(passes, rel=2e-4)
+        assert pitch_unsure(name) == 0.0
+    assert pitch_unsure("NU206") == 0.0 and pitch_unsure("6305") > 0.01
     found = [life.ball_capacity_factor(gamma) for gamma in (0.05, 0.10, 0.16, 0.20)]
     assert found == pytest.approx([46.7, 55.5, 59.6, 59.9], rel=1e-3)  # of the standard's table
     lengths = {"NU2204": 10, "NU2205": 10, "NU2206": 12, "NU2208": 14, "NU2209": 14, "NU304": 9, "NU305": 10,

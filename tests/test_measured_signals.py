@@ -53,6 +53,14 @@ def matlab73(**datasets):
     return b"MATLAB 7.3 MAT-file".ljust(512) + target.getvalue()[512:]
 
 
+def structs(**signals):
+    return np.array(list(signals.items()), dtype=[("Name", object), ("Data", object)])
+
+
+PADERBORN = {  # of the public set: signals and times in structs of their own, some slower
+    "X": structs(HostService=TIME, Mech=np.arange(400.0) ** 0.5),
+    "Y": structs(force=np.arange(400.0) ** 0.5, vibration_1=WAVE),
+}
 HEAD = "time_s,acc_g\n"
 GERMAN, IN_G = rows(";", ",", "Zeit [s];Beschleunigung [m/s²]\n"), {"unit": "g"}
 PLAIN = {  # in g by their own words
@@ -68,6 +76,7 @@ PLAIN = {  # in g by their own words
 READ = {name: (content, {}, G) for name, content in PLAIN.items()} | {  # content, options, factor to m/s²
     "german.csv": (GERMAN, {}, 1.0), "german_latin.csv": (GERMAN.encode("cp1252"), {}, 1.0),
     "blanks.dat": (rows("   ", head="# time acc\n"), IN_G, G), "no_header.csv": (rows(), {"unit": "m/s2"}, 1.0),
+    "millimetres.csv": (rows(), {"unit": "mm/s2"}, 1e-3),
     "one_column.txt": (rows(columns=(WAVE,)), {"rate": RATE, "unit": "g"}, G),
     "one_column_comma.txt": (rows(decimal=",", columns=(WAVE,)), {"rate": RATE, "unit": "g"}, G),
     "two_channels.csv": (rows(head="time,x [g],y [g]\n", columns=(TIME, 0 * WAVE, WAVE)), {"channel": "y"}, G),
@@ -81,6 +90,10 @@ READ = {name: (content, {}, G) for name, content in PLAIN.items()} | {  # conten
     "five.mat": (saved(savemat, {"X097_DE_time": WAVE[:, None], "fs": RATE}), IN_G, G),
     "struct.mat": (saved(savemat, {"fs": 3.0, "bearing": {"load": 3.0, "gs": WAVE, "rate": RATE, "note": "x"}}),
                    IN_G, G),
+    "mfpt.mat": (saved(savemat, {"bearing": {"rate": 25.0, "sr": RATE, "gs": WAVE}}), IN_G, G),
+    "step.mat": (saved(savemat, {"b": {"increment": 1.0 / RATE, "values": WAVE, "Name": "acc x"}}),
+                 IN_G | {"channel": "acc x"}, G),
+    "paderborn.mat": (saved(savemat, {"b": PADERBORN}), IN_G | {"channel": "vibration_1"}, G),
     "four.mat": (saved(savemat, {"a": WAVE}, format="4"), IN_G | {"rate": RATE}, G),
     "seven.mat": (matlab73(acc=WAVE[None, :], fs=[[RATE]]), IN_G, G),
     "seven_struct.mat": (matlab73(**{"run/acc": WAVE[None, :], "run/fs": [[RATE]]}), IN_G, G),
@@ -104,7 +117,7 @@ def test_file_is_read_into_the_signal_that_was_written(name, tmp_path):
 REFUSED = {  # name: content, options, words of the refusal
     "words.csv": ("a,b\nc,d\n", {}, "no rows of numbers"), "empty.csv": ("\n", {}, "empty"),
     "no_rate.txt": (rows(columns=(WAVE,)), {}, "--rate"),
-    "two_rates.mat": (saved(savemat, {"b": {"sr": RATE, "gs": WAVE, "rate": 25.0}}), {}, "states 25 or 8000 Hz; give"),
+    "two_rates.mat": (saved(savemat, {"b": {"sr": RATE, "gs": WAVE, "fs": 1e3}}), {}, "states 1000 or 8000 Hz; give"),
     "two_rates.txt": (rows(head="fs = 8000\nSampling rate: 1 kHz\nacc\n", columns=(WAVE,)), {}, "states 1000 or 8000"),
     "two_times.csv": (rows(head="t [s],a,time [s],b\n", columns=(TIME, WAVE, 2.0 * TIME, WAVE)), {"channel": "b"},
                       "2 columns of times with different steps; give --rate"),

@@ -12,7 +12,7 @@ from PIL.PngImagePlugin import PngInfo
 from fem.commands.rate_bearing import rate_main
 from lagrange.scene.scene import parse_scene
 from residual.cli import main
-from residual.measured.checks import Question, assumed, check_record, write_check
+from residual.measured.checks import Question, assumed, check_record, write_report
 from tests.waiting import assert_readable, coloured_pixels, open_page
 
 WIDTHS = (390, 1280)
@@ -160,7 +160,7 @@ def other_pages(tmp_path_factory):
     np.savez(folder / "record.npz", acc=np.sin(1e4 * time) * (1.0 + np.cos(1e3 * time)), rate=20_000.0)
     check = check_record(folder / "record.npz", None, Question(bearing="NU206", speed=1480.0))
     keys = tuple(assumed(parse_scene({"bearing": {"designation": "NU206"}, "spall": [{}]}, "")))
-    write_check(check._replace(other=check.record, command="run-fem", assumed=keys), folder / "b", figures=False)
+    write_report(check._replace(other=check.record, command="run-fem", assumed=keys), folder / "b", figures=False)
     return folder / "a" / "rating.html", folder / "b" / "vibration.html"
 
 

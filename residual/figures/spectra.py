@@ -12,7 +12,8 @@ from residual import figures as look
 from residual.evaluation import Evaluation
 from residual.figures import SCALE, SMALL, Drawing, colour_bar, curves, legend_above, log_panel, mark_lines, panels
 from residual.formatting import BLUE, GREEN, GREY, LINE_COLOURS, ORANGE, RED, SKY, TERM_COLOURS, family, text
-from residual.measured.diagnosis import DEEP, PASSES_IN_BAND, SMOOTHING, Entry, Judged
+from residual.measured.diagnosis import DEEP
+from residual.measured.judged import PASSES_IN_BAND, SMOOTHING, Entry, Judged
 from residual.spectrum import rms
 from residual.vibration import HIGHEST, HUB, fault_lines
 

@@ -1,39 +1,37 @@
-"""What a record says of a bearing: lines of its parts in the envelope, their chance, a verdict, the width of damage.
+"""What a record says of a bearing: lines of its parts in the envelope, their chance, a verdict.
 
 A line's frequency alone proves no damage. Its comb is compared with combs at 200 other frequencies of the same record,
 the null distribution, so that a record full of lines of other machines raises the bar by itself; and because healthy
-bearings have true, weak lines, a damage also needs a modulation depth of 0.2. Whatever could be something else
-is "uncertain": a false alarm costs more than silence.
+bearings have true, weak lines, a damage also needs a modulation depth of 0.2, or of 0.375 in one octave.
+Whatever could be something else is "uncertain": a false alarm costs more than silence.
 
 A strike makes resonances ring, so what repeats with the strikes is the vibration's power, over the whole band. Cepstral
 prewhitening gives every bin of the record's spectrum the same magnitude: tones of shafts, gears and inverters, however
-loud, become as faint as one bin of noise, while the phases that make a pulse remain.
+loud, become as faint as one bin of noise, while the phases that make a pulse remain. A fault may ring in one band
+alone: found in the whole band, it is measured in the octave where it is deepest, which does not depend on the rate.
 
-The width follows from the lag between a rolling element's entry into the damage and its strike on the far edge. The lag
-shows as a side peak of the envelope's autocorrelation. It is sought in three bands of the prewhitened record, three
-parts of it and with two smoothings. A width is stated only where these agree, with each other and with the same of the
-record as it is: in that an inverter's tones beat, and prewhitening echoes strong strikes, each in its own alone. The
-lag is a share of the time in which the element would roll across, because it strikes before its centre is over the far
-edge: 0.83 in measured records of known widths, 0.70 to 0.96, which gives the interval.
+A comb that is judged is taken out of the spectrum with its sidebands, and as wide as slip and a drift of the speed make
+its harmonics. What drifts more than lines are wide is looked for once more in segments of a quarter of the length.
 
 Source: P. Borghesani, P. Pennacchi, R. B. Randall, N. Sawalhi, R. Ricci, Application of cepstrum pre-whitening for the
 diagnosis of bearing faults under variable speed conditions, Mech. Syst. Signal Process. 36 (2013) 370-384; R. B.
-Randall, J. Antoni, Rolling element bearing diagnostics - a tutorial, ibid. 25 (2011) 485-520; of the width: N. Sawalhi,
-R. B. Randall, Vibration response of spalled rolling element bearings, ibid. 25 (2011) 846-870.
+Randall, J. Antoni, Rolling element bearing diagnostics - a tutorial, ibid. 25 (2011) 485-520.
 """
 
-from itertools import combinations
-from math import cos, pi, tau
-from typing import Literal, NamedTuple
+from itertools import combinations, pairwise
+from math import ceil, cos, gcd, log2, tau
+from typing import Literal, NamedTuple, Self
 
 import numpy as np
+from scipy import fft
+from scipy.ndimage import median_filter
 
 from lagrange.bearing import Bearing
 from lagrange.errors import InputError
 from lagrange.kinematics import OUTER_RING, Kinematics
 from residual.measured.signals import Signal
 from residual.record import Record
-from residual.spectrum import BACKGROUND_BINS, MAIN_LOBE, Level, Spectrum
+from residual.spectrum import BACKGROUND_BINS, MAIN_LOBE, Level
 
 Verdict = Literal["outer_ring", "inner_ring", "rolling_element", "trace", "uncertain", "none"]
 BODIES: dict[str, Verdict] = {"BPFO": "outer_ring", "BPFI": "inner_ring", "2×BSF": "rolling_element"}
@@ -42,49 +40,49 @@ HEADLINES: dict[Verdict, str] = {
     "inner_ring": "The inner ring is damaged.",
     "rolling_element": "A rolling element is damaged.",
     "trace": "A trace: a line of the bearing stands out, too weak for damage.",
-    "uncertain": "Uncertain: a line stands out, but not clearly enough to blame a part.",
+    "uncertain": "Uncertain: something stands out, but not clearly enough to blame a part.",
     "none": "No sign of damage.",
 }
+NEXT: dict[Verdict, str] = {  # what to do
+    **dict.fromkeys(BODIES.values(), "Measure again within days: where depth or level grow, plan the exchange and keep "
+                                     "the bearing."),
+    "trace": "Measure at the usual interval, as a series: a trace that grows becomes damage.",
+    "uncertain": "Give the speed to within 0.3 %, record for longer (40 turns of the cage), or give a record from when "
+                 "the bearing was healthy (--healthy).",
+    "none": "Measure at the usual interval.",
+}  # fmt: skip
 # what a fault's strikes are modulated by under a load that stands still, as far as that turns
 SIDES = {"BPFO": OUTER_RING, "BPFI": "shaft", "2×BSF": "FTF"}
 
 TOLERANCE = 0.01  # of the speed, where no other is given
-SLIP = 0.01  # of a line, by which slip, contact angle and catalogue's dimensions move it from its kinematic place
+SLIP, MOST_SLIP = 0.01, 0.04  # of a line, by which slip and contact angle move it; what sidebands of the shaft confirm
+AROUND = 0.06  # of the speed, within which no comb may lie where a record shows no sign of damage
 DECOYS, SEED = 200, 0  # other frequencies, drawn alike: the same record always gets the same verdict
-SURE, DOUBTFUL = 0.01, 0.05  # share of decoys that reach a line's score
-CLEAR, VISIBLE = 5.0, 4.0  # standard deviations of the decoys' scores above their mean, for damage and for a trace
-DEEP = 0.2  # modulation depth of damage
-STANDS_OUT, FEWEST_LINES = 9.0, 2  # power over background of a harmonic, and how many of five do so in damage
+SURE, DOUBTFUL, NEVER = 0.01, 0.05, 1.0 / (1 + DECOYS)  # share of decoys that reach a line's score; none of them
+CLEAR, VISIBLE, FAINT = 5.0, 4.0, 3.0  # standard deviations of the decoys' scores above their mean
+DEEP, IN_OCTAVE, DEEPER = 0.2, 0.375, 0.3  # modulation depth of damage; where it is deepest; of a fainter comb
+STANDS_OUT, FEWEST_LINES = 5.0, 2  # power over background of a harmonic, and how many of five do so in damage
+LOUD = 9.0  # power over background of the shaft's first lines
+IMPULSIVE = 6.0  # kurtosis, of which noise has 3
 COINCIDES = 0.4  # of the resolution, by which a comb and a multiple of the shaft or the mains are the same
-MAINS = (50.0, 60.0)  # Hz
-FEWEST_PASSES = 20  # of rolling elements over a point of the outer ring
+MAINS, SUPPLY = (50.0, 60.0), 0.002  # Hz, and by how much they are off
+DISTINCT = 0.12  # of the resolution: five harmonics tell the shaft from another frequency
+FEWEST_PASSES, FEWEST_POOLED = 20, 8  # of rolling elements over a point of the outer ring; in each of many records
 FEW_TURNS = 10.0  # of the shaft, in which a ring that turns brings its damage under the load that often
 SLOW = 2.0  # Hz: a shaft below may have been given in Hz where rpm are meant
 WIDEST = 0.1  # tolerance of speed: beyond, the ranges of all lines overlap
 MARKED, UNMARKED = 1.5, 1.0  # mean of log(1 + power over background) of sidebands that are there or not; 0.6 of noise
 # of envelopes and combs
 PADDING = 4  # bins of the transform for one of the record's resolution
-TURNS = 40  # of the cage in a segment: slip smears lines of longer ones
+TURNS, FEWER_TURNS = 40, 10  # of the cage in a segment: slip smears lines of longer ones, drift those of 40
 HARMONICS, STEPS = 5, 4  # of a comb; of its search for one bin of the highest of them
 SIDEBAND, MASKED_SIDEBANDS = 0.5, 2  # a sideband's weight in a comb's score; taken out on either side
-MASK = MAIN_LOBE + 0.5  # of the resolution, half of what is taken out around a line
+MASK, SMEAR = MAIN_LOBE + 0.5, 0.006  # half of what is taken out around a line: of the resolution, and of its frequency
 MOST_MASKED = 0.5  # of a spectrum, beyond which nothing would be left to compare with
-# of widths
-RINGS = {"outer_ring": 1.0, "inner_ring": -1.0}  # sign of an element's radius in its raceway's
-SHARE, LEAST_SHARE, MOST_SHARE = 0.83, 0.70, 0.96  # of the rolling time, until the strike
-BANDS, PARTS = 3, 3
-SMOOTHINGS = (0.01, 0.02)  # of the time between strikes, standard deviation of a Gaussian
-LOWEST, PASSES_IN_BAND = 500.0, 8.0  # Hz, where bands of strikes begin: at least, and times the line
-TOP = 0.45  # of the rate
-PROMINENCE = 0.02  # of a side peak, over the autocorrelation at no lag
-LONGEST, NEAREST = 0.5, 3.0  # of the time between strikes; smoothings from no lag
-AGREE, FEWEST_AGREEING = 0.08, 7  # of the median, and of the nine bands and parts
-AGREE_RAW, FEWEST_RAW = 0.1, 4  # the same of the record that is not prewhitened: true lags show in both
-NARROWEST = 1.3e-3  # m: lags of narrower damage drown in the ringing
-# of the mean pulse
-SMOOTHING = 0.01  # of the time between strikes, standard deviation of a Gaussian, to find them
-BEFORE, AFTER = 0.3, 0.7  # of the time between strikes, about its highest
-HALF = 0.5  # of the height over the background, where a pulse's length is measured
+OCTAVE, PASSES_IN_OCTAVE = 250.0, 4.0  # Hz, an edge of octaves; the lowest edge, times the fastest line
+DRIFTS = 4  # parts of a record whose lines tell a drift
+ORDERS, TINY = np.arange(1, HARMONICS + 1), np.finfo(float).tiny
+NEAR = np.linspace(-3e-3, 3e-3, 13)  # of a line, where its depth in an octave is looked for
 
 
 class EnvelopeSpectrum(NamedTuple):
@@ -110,7 +108,15 @@ class EnvelopeSpectrum(NamedTuple):
         share = 1.0 - 1.0 / np.maximum(self.ratio[index], 1.0)
         return np.where(index > 0, self.depth[index] * np.sqrt(share), 0.0)
 
-    def without(self, frequency: float, *sides: float, beside: bool = False) -> "EnvelopeSpectrum":
+    def standing(self, frequency: float) -> list[int]:
+        """Numbers of a comb's harmonics that stand out."""
+        return [k for k, ratio in enumerate(self.ratio[self.at(frequency * ORDERS)], 1) if ratio >= STANDS_OUT]
+
+    def sidebands(self, frequency: float, side: float) -> float:
+        """Mean of log(1 + power over background) of the first sidebands of a comb, spaced by `side`: 0.6 of noise."""
+        return float(np.mean(self.clear(np.add.outer(frequency * np.arange(1, 4), (-side, side)))))
+
+    def without(self, frequency: float, *sides: float, beside: bool = False, smear: float = SMEAR) -> Self:
         """This spectrum with a comb and its sidebands, spaced by each of `sides`, Hz, lowered to the background.
 
         `beside` : what is beside them stands in their place, as if they were not there: lowered to the background, what
@@ -118,67 +124,74 @@ class EnvelopeSpectrum(NamedTuple):
         """
         taken, ratio, step = np.zeros(self.ratio.size, dtype=bool), self.ratio.copy(), float(self.frequency[1])
         harmonics = np.arange(1, int(self.frequency[-1] / frequency) + 1) * frequency
-        orders = [k for k in range(-MASKED_SIDEBANDS, MASKED_SIDEBANDS + 1) if k]
-        reach = MASK * self.resolution
-        for centre in np.add.outer(harmonics, np.append(np.multiply.outer(orders, sides), 0.0)).ravel():
+        beyond = np.multiply.outer(range(-MASKED_SIDEBANDS, MASKED_SIDEBANDS + 1), sides or (0.0,))
+        for centre in np.add.outer(harmonics, beyond).ravel():
+            reach = MASK * self.resolution + smear * centre
             taken[int(max(0.0, centre - reach) / step) : int(max(0.0, centre + reach) / step) + 1] = True
         lowered = np.minimum(ratio[taken], np.log(2.0))
-        ratio[taken] = np.resize(ratio[~taken], lowered.size) if beside else lowered
+        ratio[taken] = np.resize(ratio[~taken], lowered.size) if beside and not taken.all() else lowered
         return self._replace(ratio=ratio)
 
 
-def _analytic(transform, size):
-    """Analytic signal, (size,), complex, of the transform of a real one."""
-    from scipy import fft
+class Prewhitened(NamedTuple):
+    """Records whose spectra have magnitude 1 in every bin: their last samples are left out, up to a fast length."""
 
-    return fft.ifft(np.append(2.0 * transform, np.zeros(size - transform.size)))
+    transform: np.ndarray  # (n_records, size // 2 + 1), complex
+    size: int
+    rate: float  # Hz
+
+    @classmethod
+    def of(cls, signal: Signal) -> Self:
+        values = signal.values.reshape(signal.records, -1)
+        size = fft.prev_fast_len(values.shape[1], real=True)
+        transform = fft.rfft(values[:, :size] - values[:, :size].mean(axis=1, keepdims=True))
+        magnitude = np.abs(transform)
+        transform = np.where(magnitude > TINY, transform / np.maximum(magnitude, TINY), 0.0)
+        transform[:, 0] = 0.0
+        return cls(transform, size, signal.rate)
+
+    def power(self, low: float = 0.0, high: float = np.inf) -> tuple[np.ndarray, float]:
+        """Squared envelopes of a band, Hz, (n_records, n_times), and their rate, Hz, over twice the width."""
+        first, last = (round(min(edge * self.size / self.rate, self.transform.shape[1])) for edge in (low, high))
+        count = fft.next_fast_len(2 * (last - first))
+        return np.abs(fft.ifft(self.transform[:, first:last], count)) ** 2, self.rate * count / self.size
+
+    def octaves(self, fastest: float) -> list[tuple[float, float]]:
+        """Bands, Hz, that hold `fastest`, Hz, several times; the same at any rate, but for the topmost."""
+        lowest = OCTAVE * 2.0 ** ceil(log2(PASSES_IN_OCTAVE * fastest / OCTAVE))
+        edges = [lowest * 2.0**k for k in range(max(0, round(log2(0.5 * self.rate / lowest))))]
+        return [*pairwise(edges), (edges[-1], 0.5 * self.rate)] if edges else []
 
 
-def prewhitened(values: np.ndarray) -> np.ndarray:
-    """Analytic signal, (n,), complex, of a record whose spectrum has magnitude 1 in every bin.
+def _spectrum(values, rate, length, mean, top):
+    """Lines of records, (n_records, n_times), by segments, s: amplitude over a mean, power over the background's."""
+    from scipy.signal import welch
+    from scipy.special import chdtri
 
-    The last samples are left out, up to a length whose transform is fast.
-    """
-    from scipy import fft
+    count = min(values.shape[1], ceil(length * rate))
+    freedom = 2.0 * len(values) * (1 + (values.shape[1] - count) // (count - count // 2))
+    about = dict(nperseg=count, noverlap=count // 2, nfft=PADDING * count, detrend=False, scaling="spectrum")
+    frequency, squared = welch(values, rate, **about)
+    keep = frequency <= top
+    frequency, depth = frequency[keep], np.sqrt(2.0 * squared.mean(axis=0)[keep]) / mean
+    own = depth[::PADDING] ** 2
+    background = median_filter(own, size=min(BACKGROUND_BINS, own.size), mode="reflect")
+    background *= freedom / chdtri(freedom, 0.5)
+    ratio = depth**2 / np.maximum(np.interp(frequency, frequency[::PADDING], background), TINY)
+    ratio[0] = 0.0
+    return EnvelopeSpectrum(frequency, depth, ratio, rate / count)
 
-    size, tiny = fft.prev_fast_len(values.size, real=True), np.finfo(float).tiny
-    transform = fft.rfft(values[:size] - values[:size].mean())
-    magnitude = np.abs(transform)
-    transform = np.where(magnitude > tiny, transform / np.maximum(magnitude, tiny), 0.0)
-    transform[0] = 0.0
-    return _analytic(transform, size)
 
-
-def envelope_spectrum(values: np.ndarray, rate: float, cage: float, top: float) -> EnvelopeSpectrum:
-    """Squared envelope spectrum of a prewhitened record.
-
-    values : ndarray, (n_times,), of any unit
-    rate, cage, top : float, Hz; the slowest line, and the highest frequency that is wanted
+def envelope_spectrum(power: np.ndarray, rate: float, length: float, top: float) -> EnvelopeSpectrum:
+    """Mean spectrum of squared envelopes, (n_records, n_times), by segments of a length, s, up to `top`, Hz.
 
     InputError: no vibration. A line between bins of the padded transform reads up to 1 % low; one that slip smears over
     several, lower.
     """
-    from scipy.ndimage import median_filter
-    from scipy.signal import welch
-    from scipy.special import chdtri
-
-    power = np.abs(prewhitened(values)) ** 2
     mean = float(power.mean())
     if not mean > 0.0:
         raise InputError("the record is constant but for its last samples: no vibration")
-    length = min(power.size, int(np.ceil(TURNS / cage * rate)))
-    freedom = 2.0 * (1 + (power.size - length) // (length - length // 2))
-    frequency, squared = welch(
-        power - mean, rate, "hann", length, length // 2, PADDING * length, detrend=False, scaling="spectrum"
-    )
-    keep = frequency <= top
-    frequency, depth = frequency[keep], np.sqrt(2.0 * squared[keep]) / mean
-    own = depth[::PADDING] ** 2
-    background = median_filter(own, size=min(BACKGROUND_BINS, own.size), mode="reflect")
-    background *= freedom / chdtri(freedom, 0.5)
-    ratio = depth**2 / np.maximum(np.interp(frequency, frequency[::PADDING], background), np.finfo(float).tiny)
-    ratio[0] = 0.0
-    return EnvelopeSpectrum(frequency, depth, ratio, rate / length)
+    return _spectrum(power - mean, rate, length, mean, top)
 
 
 def best_comb(spectrum: EnvelopeSpectrum, expected: float, tolerance: float, sides: float) -> tuple[float, float]:
@@ -190,9 +203,9 @@ def best_comb(spectrum: EnvelopeSpectrum, expected: float, tolerance: float, sid
     `sides` : float, Hz; spacing of sidebands, which scales with the frequency; 0: none
     """
     step = spectrum.resolution / (STEPS * HARMONICS)
-    count = max(1, int(np.ceil(tolerance * expected / step)))
+    count = max(1, ceil(tolerance * expected / step))
     frequency = expected * (1.0 + tolerance * np.arange(-count, count + 1) / count)
-    centre = np.multiply.outer(frequency, np.arange(1, HARMONICS + 1))
+    centre = np.multiply.outer(frequency, ORDERS)
     score = spectrum.clear(centre).sum(axis=1)
     if sides:
         shift = (sides / expected * frequency)[:, None]
@@ -210,28 +223,38 @@ class Geometry(NamedTuple):
     pitch_diameter: float  # m
     contact_angle: float = 0.0  # rad
     rings: tuple[float, float] = (1.0, 0.0)  # speeds of inner and outer ring over that of the shaft, as lines count it
+    unsure: float = 0.0  # of the pitch diameter, relative, where it is estimated
+    orders: tuple[tuple[str, float], ...] = ()  # lines over the shaft's speed, in place of sizes
 
     @classmethod
-    def of(cls, bearing: Bearing, speeds: tuple[float, float] = (1.0, 0.0)) -> "Geometry":
+    def of(cls, bearing: Bearing, speeds: tuple[float, float] = (1.0, 0.0), unsure: float = 0.0) -> Self:
         """That of a bearing of the scene whose inner and outer ring turn at speeds in any unit.
 
         What lines call the shaft is the inner ring, or an outer one that turns about a standing one.
         """
         rings = (1.0, speeds[1] / speeds[0]) if speeds[0] else (0.0, 1.0)
         diameters = 2.0 * bearing.element_radius, 2.0 * bearing.pitch_radius
-        return cls(bearing.pockets, *diameters, bearing.contact_angle, rings)
+        return cls(bearing.pockets, *diameters, bearing.contact_angle, rings, unsure)
 
     def lines(self, shaft: float) -> dict[str, float]:
         """Kinematic lines, Hz, of rolling without slip at a shaft's speed, Hz.
 
         Source: Harris, Rolling Bearing Analysis (4th ed. 2001), chapter 8.
         """
+        if self.orders:
+            found = {"shaft": shaft} | {name: order * shaft for name, order in self.orders}
+            return found | {"2×BSF": 2.0 * found["BSF"]}
         share = self.element_diameter / self.pitch_diameter * cos(self.contact_angle)
         inner, outer = (tau * shaft * ring for ring in self.rings)
         cage = 0.5 * (inner * (1.0 - share) + outer * (1.0 + share))
         spin = -0.5 * (inner - outer) * self.pitch_diameter / self.element_diameter * (1.0 - share**2)
         turning = Kinematics(shaft=inner, cage=cage, roller=cage + spin, n_rollers=self.elements, outer_ring=outer)
         return turning.frequencies | {"2×BSF": 2.0 * turning.frequencies["BSF"]}
+
+    def reach(self, name: str) -> float:
+        """How far a line may be from its kinematic place at an exact speed: by slip and an estimated pitch diameter."""
+        here, there = self.lines(1.0)[name], self._replace(pitch_diameter=self.pitch_diameter * (1.0 + self.unsure))
+        return SLIP + abs(there.lines(1.0)[name] / here - 1.0)
 
 
 class Line(NamedTuple):
@@ -251,7 +274,10 @@ class Finding(NamedTuple):
     depth: float  # of all harmonics together
     lines: tuple[Line, ...]  # harmonics
     sidebands: float | None  # amplitude of the first sidebands over that of the first line; None: none, or not resolved
+    marks: float  # mean of log(1 + power over background) of its sidebands under a load that stands still; 0: none
     beyond: float | None = None  # Hz, of a line beyond the tolerance of which this is the skirt
+    deepest: float = 0.0  # depth in the octave where it is deepest, or of the whole band
+    octave: tuple[float, float] | None = None  # Hz, that one; None: the whole band is deeper, or it was not asked for
 
     @property
     def stands_out(self) -> bool:
@@ -271,6 +297,7 @@ class Diagnosis(NamedTuple):
     reasons: tuple[str, ...]  # of the verdict, sentences
     notes: tuple[str, ...]  # what is not resolved or can't be found
     findings: tuple[Finding, ...]  # most prominent first
+    damaged: tuple[Verdict, ...]  # all bodies that are damaged, the most prominent first
     shaft: float  # Hz, as found
     shaft_from: str  # where that comes from
     tolerance: float  # of the speed that was given
@@ -279,7 +306,9 @@ class Diagnosis(NamedTuple):
 
     @property
     def headline(self) -> str:
-        return HEADLINES[self.verdict]
+        first, *others = [HEADLINES[body].removesuffix(" is damaged.") for body in self.damaged] or [""]
+        both = " and ".join([first, *(each[0].lower() + each[1:] for each in others)])
+        return f"{both} are damaged." if others else HEADLINES[self.verdict]
 
     def of(self, name: str) -> Finding:
         """The finding of a part of the bearing, by its first line."""
@@ -303,95 +332,149 @@ def counted(speeds: tuple[float, float]) -> float:
     return (abs(speeds[0]) or abs(speeds[1])) / tau
 
 
-def diagnose(signal: Signal, geometry: Geometry, shaft: float, tolerance: float = TOLERANCE) -> Diagnosis:
+def diagnose(
+    signal: Signal, geometry: Geometry, shaft: float, tolerance: float = TOLERANCE, healthy: Diagnosis | None = None
+) -> Diagnosis:
     """Judge a record by a nominal speed of the shaft, Hz, and by how much that may differ, relative.
+
+    `healthy` : what a record of the same bearing says from when it was healthy: lines that were there are no damage
 
     InputError: a speed or tolerance that can't be used, a record of fewer than 20 passes of rolling elements.
     """
-    _check(signal, geometry, shaft, tolerance)
-    nominal, reach, rng = geometry.lines(shaft), tolerance + SLIP, np.random.default_rng(SEED)
-    top = min(0.5 * signal.rate, 1.3 * (HARMONICS + 1) * max(nominal[name] for name in BODIES))
-    spectrum = rest = envelope_spectrum(signal.values, signal.rate, nominal["FTF"], top)
-    findings, waiting = list[Finding](), list(BODIES)
-    while waiting:  # the most prominent first; the others without its lines
-        tried = [_finding(spectrum, rest, name, nominal, reach, rng) for name in waiting]
-        tried.sort(key=lambda each: (each.beyond is not None, -each.clear, each.p))
-        best = _among_rivals(tried, spectrum, nominal)
-        findings.append(best)
-        waiting.remove(best.name)
-        if not best.stands_out:
-            findings += [each for each in tried if each.name != best.name]
-            break
-        rest = rest.without(best.found, *_modulators(rest, best.name, best.found, nominal))
-    best = findings[0]
-    turning = _shaft(spectrum.without(best.found) if best.stands_out else spectrum, shaft, tolerance, rng)
-    verdict, reasons = _judged(best, _doubts(best, geometry, turning, spectrum, nominal, reach))
-    notes, two_bins, cage, turns = list[str](), 2.0 * spectrum.resolution, nominal["FTF"], signal.duration * shaft
-    if cage < two_bins:
-        notes.append(f"Sidebands of the cage ({cage:.3g} Hz) are not resolved; that takes {2.0 / cage:.2g} s.")
-    for first, second in combinations(BODIES, 2):
-        low, high = sorted((nominal[first], nominal[second]))
-        if low * (1.0 + reach) + two_bins > high * (1.0 - reach):
-            notes.append(
-                f"{first} and {second} lie within the tolerance of speed of each other ({low:.4g} and {high:.4g} "
-                "Hz); a smaller --speed-tolerance separates them."
-            )
-    if verdict in ("none", "uncertain") and turns < FEW_TURNS:
-        notes.append(
-            f"The record holds {turns:.2g} turns of the shaft, too few for damage of a turning ring to show; record "
-            "for longer."
-        )
-    notes += [
-        f"A line at {each.beyond:.4g} Hz lies just beyond the tolerance of {each.name}." for each in findings
-        if each.beyond is not None and each.clear >= CLEAR and verdict == "none"
-    ]  # fmt: skip
-    speed, source = shaft, "as given"
-    if turning is not None:
-        speed, source = turning, "lines of the shaft"
-    elif best.stands_out:
-        speed, source = shaft * best.found / best.expected, f"{best.name}, slip neglected"
-    lines = geometry.lines(speed)
-    return Diagnosis(verdict, reasons, tuple(notes), tuple(findings), speed, source, tolerance, lines, spectrum)
-
-
-def _check(signal, geometry, shaft, tolerance):
     if not 0.0 < shaft < 1e5:
         raise InputError(f"--speed {60.0 * shaft:g}: must be a number of revolutions per minute above 0")
     if not 0.0 <= tolerance <= WIDEST:
         raise InputError(f"--speed-tolerance {100.0 * tolerance:g}%: must be from 0 to {100.0 * WIDEST:g}%")
-    lines = geometry.lines(shaft)
-    passing, highest = min(lines["BPFO"], lines["BPFI"]), 2.0 * max(lines[name] for name in BODIES)
+    lines, name, seconds, rpm = geometry.lines(shaft), signal.name, signal.duration, f"{60.0 * shaft:g} rpm"
+    passing, highest = min(lines["BPFO"], lines["BPFI"]), 2.0 * max(lines[part] for part in BODIES)
     if passing == 0.0:
         raise InputError("both rings turn at the same speed: no rolling element passes any point of them")
-    if passing * signal.duration < FEWEST_PASSES:
-        raise InputError(
-            f"{signal.name}: {signal.duration:.3g} s hold {passing * signal.duration:.3g} passes of rolling "
-            f"elements at {60.0 * shaft:g} rpm; at least {FEWEST_PASSES} are needed, {FEWEST_PASSES / passing:.3g} s"
-            + ("; --speed is in rpm, not in Hz" if shaft < SLOW else "")
-            + "".join(f". {note}" for note in signal.notes if "longest piece" in note)
-        )
+    passes, pooled, count = passing * seconds, signal.records > 1, pool(signal, geometry, shaft)
+    if passes < FEWEST_PASSES * (1 + pooled) or (pooled and passes < FEWEST_POOLED * signal.records):
+        why = f"{seconds:.3g} s hold {passes:.3g} passes of rolling elements at {rpm}; at least {FEWEST_PASSES} are "
+        remedies = [
+            f"needed, {FEWEST_PASSES / passing:.3g} s", "; --speed is in rpm, not in Hz" if shaft < SLOW else "",
+            f"; or {count} such records of one speed as a series" if count > 1 and not pooled else "",
+            *(f". {note}" for note in signal.notes if "longest piece" in note),
+        ]  # fmt: skip
+        raise InputError(f"{name}: {why}{''.join(remedies)}")
     if highest > 0.5 * signal.rate:
-        raise InputError(
-            f"{signal.name}: sampled at {signal.rate:g} Hz; lines of this bearing reach {highest:.4g} Hz at "
-            f"{60.0 * shaft:g} rpm and take at least twice that"
-        )
+        why = f"lines of this bearing reach {highest:.4g} Hz at {rpm} and take at least twice that"
+        raise InputError(f"{name}: sampled at {signal.rate:g} Hz; {why}")
+    whitened = Prewhitened.of(signal)
+    found = _look(signal, whitened, geometry, shaft, tolerance, TURNS, healthy)
+    if not found.damaged and seconds / signal.records * lines["FTF"] > FEWER_TURNS:
+        coarser = _look(signal, whitened, geometry, shaft, tolerance, FEWER_TURNS, healthy)
+        found = coarser if coarser.damaged else found
+    return found
+
+
+def pool(signal: Signal, geometry: Geometry, shaft: float) -> int:
+    """How many records as long as this one are judged together: 1 of those that hold enough passes."""
+    lines = geometry.lines(shaft)
+    passes = min(lines["BPFO"], lines["BPFI"]) * signal.duration
+    return 1 if not FEWEST_POOLED <= passes < FEWEST_PASSES else ceil(2.0 * FEWEST_PASSES / passes)
+
+
+def _look(signal, whitened: Prewhitened, geometry, shaft, tolerance, turns, healthy):
+    """The diagnosis by segments of so many turns of the cage."""
+    nominal, rng = geometry.lines(shaft), np.random.default_rng(SEED)
+    length, top = turns / nominal["FTF"], 1.3 * (HARMONICS + 1) * max(nominal[name] for name in BODIES)
+    spectrum = envelope_spectrum(*whitened.power(), length, min(top, 0.5 * signal.rate))
+    reach = {name: tolerance + geometry.reach(name) for name in BODIES}
+    bands, octaves = whitened.octaves(max(nominal["BPFO"], nominal["BPFI"])), list[tuple]()
+
+    def deepest(of: Finding) -> Finding:
+        """With its depth in the octave where it is deepest."""
+        if not octaves:
+            octaves.extend((band, envelope_spectrum(*whitened.power(*band), length, top)) for band in bands)
+        near, depths = of.found * (1.0 + NEAR), [(of.depth, None)]
+        for band, each in octaves:
+            place = max(near, key=lambda f: float(each.clear(f * ORDERS).sum()))
+            if len(each.standing(place)) >= FEWEST_LINES:
+                depths.append((float(np.linalg.norm(each.modulation(place * ORDERS))), band))
+        depth, band = max(depths, key=lambda each: each[0])
+        return of._replace(deepest=depth, octave=band)
+
+    def search(rest: EnvelopeSpectrum) -> list[Finding]:
+        """All parts, the most prominent first; the others without its lines."""
+        findings, waiting = list[Finding](), list(BODIES)
+        while waiting:
+            tried = [_finding(spectrum, rest, name, nominal, reach[name], rng) for name in waiting]
+            tried.sort(key=lambda each: (each.beyond is not None, -each.clear, each.p))
+            best = _among_rivals(tried, MAIN_LOBE * spectrum.resolution)
+            findings.append(deepest(best) if best.p <= SURE and best.beyond is None else best)
+            waiting.remove(best.name)
+            if not best.stands_out:
+                return findings + [each for each in tried if each.name != best.name]
+            rest = rest.without(best.found, *_modulators(rest, best.name, best.found, nominal))
+        return findings
+
+    def judge(findings: list[Finding]) -> list[tuple[Finding, Verdict, tuple[str, ...]]]:
+        given = geometry, turning, sharp, shaft, tolerance, spectrum, healthy
+        these = [each for k, each in enumerate(findings) if k == 0 or each.stands_out]
+        return [(each, *_judged(each, tuple(_doubts(each, *given)), each is findings[0])) for each in these]
+
+    findings = search(spectrum)
+    best = findings[0]
+    envelope = spectrum.without(best.found) if best.stands_out else spectrum
+    turning, sharp = _shaft(signal, envelope, shaft, tolerance, rng)
+    judged = judge(findings)
+    damaged = [each for each in judged if each[1] in BODIES.values()]
+    if not damaged and turning is not None:  # a coupling may be louder
+        others = search(spectrum.without(turning, smear=0.0))
+        damaged = [each for each in judge(others) if each[1] in BODIES.values()]
+        findings = others if damaged else findings
+    if damaged:
+        found = [each for each, *_ in damaged]
+        best, findings = found[0], found + [each for each in findings if each not in found]
+        verdict, reasons = damaged[0][1], sum((said for *_, said in damaged), ())
+    else:
+        _, verdict, reasons = judged[0]
+        if verdict == "none":
+            against = tuple(_against_none(signal, whitened, findings, spectrum, nominal, shaft, reach, rng))
+            verdict, reasons = ("uncertain", reasons + against) if against else (verdict, reasons)
+    notes = list(_notes(verdict, signal, spectrum, nominal, shaft, reach, geometry))
+    if damaged and signal.records == 1:
+        (power, rate), top = whitened.power(), 1.3 * HARMONICS * best.found
+        begin, *_, end = np.array_split(power, DRIFTS, axis=1)
+        first, last = (best_comb(envelope_spectrum(part, rate, length, top), best.found, 1.5 * SLIP, 0.0)[0]
+                       for part in (begin, end))  # fmt: skip
+        if abs(last - first) * begin.shape[1] / rate > 0.5:  # else it is not resolved
+            drift = f"{100.0 * (last / first - 1.0):+.2g} %"
+            notes.append(f"The line drifts by {drift} from the first to the last quarter of the record.")
+    speed, source = (shaft, "as given") if turning is None else (turning, "lines of the shaft")
+    if turning is None and best.stands_out:
+        speed, source = shaft * best.found / best.expected, f"{best.name}, slip neglected"
+    return Diagnosis(
+        verdict, reasons, tuple(notes), tuple(findings), tuple(body for _, body, _ in damaged), speed, source,
+        tolerance, geometry.lines(speed), spectrum)  # fmt: skip
 
 
 def _chance(spectrum, score, decoys, reach, sides):
     """Share of combs about other frequencies, Hz, that score as high, and standard deviations above their mean."""
     null = np.array([best_comb(spectrum, each, reach, sides)[1] for each in decoys])
-    return float((1 + np.sum(null >= score)) / (1 + DECOYS)), float((score - null.mean()) / null.std())
+    return float((1 + np.sum(null >= score)) / (1 + DECOYS)), float((score - null.mean()) / max(null.std(), 1e-9))
 
 
-def _shaft(spectrum, shaft, tolerance, rng):
-    """The shaft's frequency, Hz, by its lines in the envelope; None: they do not stand out."""
-    frequency, score = best_comb(spectrum, shaft, tolerance, 0.0)
-    first, *more = spectrum.ratio[spectrum.at(frequency * np.arange(1, HARMONICS))]
-    if first < STANDS_OUT or max(more) < STANDS_OUT:
-        return None
-    decoys = shaft * np.exp(rng.uniform(np.log(0.6), np.log(3.0), DECOYS))
-    p, clear = _chance(spectrum.without(frequency), score, decoys, tolerance, 0.0)
-    return frequency if p <= 1.0 / (1 + DECOYS) and clear >= CLEAR else None  # none of them reaches it
+def _shaft(signal, envelope, shaft, tolerance, rng):
+    """The shaft, Hz, by its lines in the envelope or in the record itself, else farther from its nominal speed, and
+    the resolution, Hz, of where they stand out; None: they do not."""
+    values = signal.values.reshape(signal.records, -1)
+    own = _spectrum(values, signal.rate, TURNS / shaft, 1.0, 1.2 * (HARMONICS + 1) * shaft)
+    for reach in (tolerance, AROUND) if tolerance < AROUND else (tolerance,):
+        sure = list[tuple[float, float, float]]()
+        for spectrum in (envelope, own):
+            frequency, score = best_comb(spectrum, shaft, reach, 0.0)
+            first, *more = spectrum.ratio[spectrum.at(frequency * ORDERS[:-1])]
+            mains = any(abs(frequency / base - 1.0) < SUPPLY for base in MAINS)
+            if first >= LOUD and max(more) >= LOUD and not (mains and reach > tolerance):
+                decoys = shaft * np.exp(rng.uniform(np.log(0.6), np.log(3.0), DECOYS))
+                p, clear = _chance(spectrum.without(frequency), score, decoys, reach, 0.0)
+                sure += [(clear, frequency, spectrum.resolution)] if p <= NEVER and clear >= CLEAR else []
+        if sure:
+            return max(sure)[1:]
+    return None, 0.0
 
 
 def side_of(name: str, nominal: dict[str, float]) -> float:
@@ -410,26 +493,15 @@ def _modulators(spectrum, name, found, nominal):
     return turning if masked <= MOST_MASKED * found else [scale * own] if own else []
 
 
-def _sidebands(name, found, expected, spectrum, nominal):
-    """Mean of log(1 + power over background) of the first sidebands of a comb: 0.6 of noise."""
-    side = side_of(name, nominal) * found / expected
-    return float(np.mean(spectrum.clear(np.add.outer(found * np.arange(1, 4), (-side, side)))))
-
-
-def _among_rivals(tried, spectrum, nominal):
-    """The most prominent finding; of several at one frequency, the one whose sidebands are there.
+def _among_rivals(tried, near):
+    """The most prominent finding; of several at one frequency, Hz, the one whose sidebands are there.
 
     A load that stands still modulates strikes of a ring that turns by its turns and of an element by the cage, but not
     those of a ring at rest.
     """
-    best, near = tried[0], MAIN_LOBE * spectrum.resolution
-    rivals = {each.name: each for each in tried if abs(each.found - best.found) < near and each.beyond is None}
-    marks = {name: _sidebands(name, each.found, each.expected, spectrum, nominal)
-             for name, each in rivals.items() if side_of(name, nominal)}  # fmt: skip
-    marked = [name for name, mark in marks.items() if mark > MARKED]
-    if marked:
-        return rivals[max(marked, key=lambda name: marks[name])]
-    return next((each for name, each in rivals.items() if name not in marks), best)
+    rivals = [each for each in tried if abs(each.found - tried[0].found) < near and each.beyond is None]
+    marked = [each for each in rivals if each.marks > MARKED] or [each for each in rivals if not each.marks][:1]
+    return max(marked, key=lambda each: each.marks, default=tried[0])
 
 
 def _finding(whole, rest, name, nominal, reach, rng):
@@ -443,203 +515,124 @@ def _finding(whole, rest, name, nominal, reach, rng):
     low = max(2.2 * nominal["FTF"], 10.0 * whole.resolution, 0.3 * slower)
     decoys = np.exp(rng.uniform(np.log(low), np.log(max(1.6 * faster, 1.1 * low)), DECOYS))
     p, clear = _chance(masked, score, decoys, reach, sides)
-    place, lines = found * np.arange(1, HARMONICS + 1), []
-    index, depths, first = whole.at(place), whole.modulation(place), int(name == "2×BSF")
+    place, (twice, _, base), lines = found * ORDERS, name.rpartition("×"), []
+    index, depths = whole.at(place), whole.modulation(place)
     for k, (f, i, depth) in enumerate(zip(place.tolist(), index, depths.tolist(), strict=True), 1):
-        number, base = k * (1 + first), name.removeprefix("2×")
+        number = k * int(twice or 1)
         called = base if number == 1 else f"{number}×{base}"
         lines += [Line(called, k * expected, f, float(np.sqrt(rest.ratio[i])), depth)] if i else []
-    beside = whole.depth[whole.at(found + np.array([-side, side]))].mean() / whole.depth[index[0]]
+    beside, depth = whole.depth[whole.at(found + np.array([-side, side]))].mean(), float(np.linalg.norm(depths))
     return Finding(
-        name, expected, found, p, clear, float(np.linalg.norm(depths)), tuple(lines),
-        sidebands=float(beside) if side > 2.0 * whole.resolution else None,
-        beyond=wider if abs(wider / expected - 1.0) > reach else None)  # fmt: skip
+        name, expected, found, p, clear, depth, tuple(lines),
+        sidebands=float(beside / whole.depth[index[0]]) if side > 2.0 * whole.resolution else None,
+        marks=whole.sidebands(found, side) if side else 0.0,
+        beyond=wider if abs(wider / expected - 1.0) > reach else None, deepest=depth)  # fmt: skip
 
 
-def _judged(best, doubts):
-    """The verdict and its reasons: of these rules the first that holds."""
+def _judged(of, doubts, first):
+    """The verdict on a part and its reasons: of these rules the first that holds."""
+    depth = f"modulation depth {of.depth:.2f}"
+    if of.octave is not None:
+        depth += f", {of.deepest:.2f} in the octave from {of.octave[0]:.0f} to {of.octave[1]:.0f} Hz"
     said = (
-        f"{best.name} at {best.found:.2f} Hz ({best.off:+.2f} % from its kinematic place): {best.clear:.1f} standard "
-        f"deviations above {DECOYS} other frequencies of this record, modulation depth {best.depth:.2f}"
+        f"{of.name} at {of.found:.2f} Hz ({of.off:+.2f} % from its kinematic place): {of.clear:.1f} standard "
+        f"deviations above {DECOYS} other frequencies of this record, {depth}"
     )
-    chance = best.beyond is not None or best.p > DOUBTFUL or (not best.stands_out and best.clear < 3.0)
-    several = sum(line.level**2 >= STANDS_OUT for line in best.lines) >= FEWEST_LINES
-    damage = best.clear >= CLEAR and best.depth >= DEEP and several
+    standing = [k for k, line in enumerate(of.lines, 1) if line.level**2 >= STANDS_OUT]
+    several, apart = len(standing) >= FEWEST_LINES, gcd(*standing) if standing else 1
+    nth = {2: "second", 3: "third"}.get(apart, f"{apart}th")
+    chance = of.beyond is not None or of.p > DOUBTFUL or (of.p > SURE and of.clear < FAINT)
+    faint = first and of.p <= NEVER and of.clear >= VISIBLE and of.depth >= DEEPER
+    deep = of.depth >= DEEP or of.deepest >= IN_OCTAVE
+    damage = several and ((of.p <= SURE and of.clear >= CLEAR and deep) or faint)
     rules: tuple[tuple[object, Verdict, tuple[str, ...]], ...] = (
         (chance, "none", (f"No line of the bearing stands out. Nearest: {said}.",)),
-        (not best.stands_out, "uncertain", (f"A line stands out, but not clearly: {said}.", *doubts)),
+        (apart > 1, "uncertain", (f"{said}; but only every {nth} of its harmonics stands out: it is the comb of "
+                                  f"something else at {apart * of.found:.4g} Hz.",)),
+        (damage and not doubts, BODIES[of.name], (f"{said}.",)),
         (doubts, "uncertain", (f"{said}.", *doubts)),
-        (damage, BODIES[best.name], (f"{said}.",)),
-        (best.depth < DEEP, "trace", (f"{said}, below {DEEP:g}: healthy bearings have such lines too.",)),
+        (not of.stands_out, "uncertain", (f"A line stands out, but not clearly: {said}.",)),
+        (not deep, "trace", (f"{said}, below {DEEP:g}: healthy bearings have such lines too.",)),
         (True, "uncertain", (f"{said}; its harmonics are too weak to blame a part ({CLEAR:g} standard deviations and "
                              f"{FEWEST_LINES} clear harmonics are required).",)),
     )  # fmt: skip
     return next((verdict, reasons) for holds, verdict, reasons in rules if holds)
 
 
-def _doubts(best, geometry, turning, spectrum, nominal, reach):
+def _doubts(of, geometry, turning, sharp, shaft, tolerance, spectrum, healthy):
     """What else a comb may be, sentences."""
-    doubts, near, found = [], COINCIDES * spectrum.resolution, best.found
-    for name, base in (("the mains", MAINS[0]), ("the mains", MAINS[1]), ("the shaft", turning)):
-        k = 0 if base is None else round(found / base)
-        if base is not None and k and abs(found - k * base) < near:
-            doubts.append(f"It can't be distinguished from {k}×{base:.4g} Hz, a multiple of {name}.")
+    near, found, marked, lines = COINCIDES * spectrum.resolution, of.found, of.marks > MARKED, geometry.lines(shaft)
+    for mains in MAINS:
+        k = round(found / mains)
+        if k and abs(found - k * mains) < near:
+            yield f"It can't be distinguished from {k}×{mains:g} Hz, a multiple of the mains."
+    by_cage = of.name == "2×BSF" and marked and of.sidebands is not None  # no coupling's strikes are modulated by it
+    for k in set() if by_cage else {int(found / shaft), int(found / shaft) + 1} - {0}:
+        if turning is None:
+            if abs(found / (k * shaft) - 1.0) <= max(tolerance, near / found):
+                apart = f"{100.0 * abs(of.expected / shaft / k - 1.0):.1g} %"
+                yield (f"It may be {k} times a shaft of {60.0 * found / k:.5g} rpm, a coupling's or a blade's; a speed "
+                       f"known to within {apart} tells these apart.")  # fmt: skip
+        elif abs(found - k * turning) < near or abs(found / k - turning) < DISTINCT * sharp:
+            yield f"It can't be distinguished from {k}×{turning:.4g} Hz, a multiple of the shaft."
     if turning is not None:
-        place = geometry.lines(turning)[best.name]
-        if abs(found / place - 1.0) > 1.5 * SLIP:
-            doubts.append(
-                f"The shaft's lines give {60.0 * turning:.5g} rpm, at which it would be at {place:.4g} Hz: "
-                f"{100.0 * (found / place - 1.0):+.1f} % is more than slip."
-            )
-        return doubts
-    for name, place in ((name, nominal[name]) for name in BODIES if name != best.name):
-        if abs(found - place) > reach * place + MAIN_LOBE * spectrum.resolution:
+        place, rpm = geometry.lines(turning)[of.name], 60.0 * turning
+        off, confirmed = found / place - 1.0, spectrum.sidebands(found, turning) > MARKED
+        if abs(off) > max(0.5 * SLIP + geometry.reach(of.name), confirmed * MOST_SLIP):
+            yield (f"The shaft's lines give {rpm:.5g} rpm, at which it would be at {place:.4g} Hz: "
+                   f"{100.0 * off:+.1f} % is more than slip.")  # fmt: skip
+    if of.name == "2×BSF" and of.sidebands is not None and not marked:
+        yield "It has no sidebands of the cage, as strikes of a rolling element have."
+    if healthy is not None:
+        before, speed = healthy.of(of.name), shaft if turning is None else turning
+        same = abs(before.found / healthy.shaft * speed / found - 1.0) <= 2.0 * SLIP + tolerance
+        if before.stands_out and same and before.depth > 0.5 * of.depth:
+            yield f"It was there when healthy, with a depth of {before.depth:.2f}."
+    for name in BODIES if turning is None else ():
+        place, reach = lines[name], tolerance + geometry.reach(name)
+        if name == of.name or abs(found - place) > reach * place + MAIN_LOBE * spectrum.resolution:
             continue
-        if side_of(best.name, nominal):
-            distinct = _sidebands(best.name, found, best.expected, spectrum, nominal) > MARKED
-        else:
-            distinct = _sidebands(name, found, place, spectrum, nominal) < UNMARKED
-        if not distinct:
-            doubts.append(
-                f"Within the tolerance of speed and the resolution it may also be {name}, at {place:.4g} Hz "
-                "by kinematics."
-            )
-    return doubts
+        side = side_of(name, lines) * found / place
+        if not (marked if side_of(of.name, lines) else spectrum.sidebands(found, side) < UNMARKED):
+            rpm = f"{60.0 * shaft * found / place:.4g} rpm"
+            yield f"At {rpm} it would be {name}; neither its sidebands nor lines of the shaft tell."
 
 
-class Width(NamedTuple):
-    """A width, or the reason why there is none."""
-
-    value: float | None = None  # m
-    low: float | None = None  # m
-    high: float | None = None  # m
-    reason: str | None = None
-
-
-def damage_width(signal: Signal, geometry: Geometry, diagnosis: Diagnosis) -> Width:
-    """The width of the damage of a damaged ring, along its raceway.
-
-    Measured records of 2.05 to 3.28 mm are found within a tenth; the interval is that of the share, not of this record.
-    """
-    sign, line = RINGS.get(diagnosis.verdict), diagnosis.findings[0].found
-    if sign is None:
-        return Width(reason="no ring was found damaged")
-    lags = _lags(prewhitened(signal.values), signal.rate, line)
-    found = np.isfinite(lags)
-    if not found.any():
-        return Width(reason="no second pulse follows an impact, as entry and exit would give")
-    median = float(np.median(lags[found]))
-    agree = found & (np.abs(lags / median - 1.0) <= AGREE)
-    places = int(agree.any(axis=2).sum())
-    if places < FEWEST_AGREEING:
-        of = f"{places} of {BANDS * PARTS} estimates ({FEWEST_AGREEING} needed)"
-        return Width(reason=f"entry-to-impact times agree in only {of}")
-    raw = np.abs(_lags(signal.values, signal.rate, line) / median - 1.0) <= AGREE_RAW
-    if raw.any(axis=2).sum() < FEWEST_RAW:
-        echo = "the prewhitened record has a lag that the record itself has not: an echo of the prewhitening"
-        return Width(reason=echo)
-    raceway = geometry.pitch_diameter + sign * geometry.element_diameter * cos(geometry.contact_angle)
-    speed = pi * raceway * line / geometry.elements  # m/s, of the contact along the raceway
-    value = float(np.median(lags[agree])) * speed / SHARE
-    if value < NARROWEST:
-        short = f"the lags give {1e3 * value:.2g} mm; below {1e3 * NARROWEST:g} mm they may come from ringing"
-        return Width(reason=short)
-    return Width(value, value * SHARE / MOST_SHARE, value * SHARE / LEAST_SHARE)
+def _against_none(signal, whitened, findings, spectrum, nominal, shaft, reach, rng):
+    """Why a record without a line of the bearing is no record of a healthy one, sentences."""
+    (power, _), own, wide = whitened.power(), Level.of(signal.values).kurtosis, AROUND + SLIP
+    # tones of one family look impulsive too, but not prewhitened
+    kurtosis = min(own or 0.0, 1.5 * float(np.mean(power**2) / np.mean(power) ** 2))
+    for each in [each for each in findings if each.p <= SURE][:1]:
+        yield f"{each.name} is reached by {100.0 * each.p:.2g} % of other frequencies only."
+    for name in BODIES:
+        each = _finding(spectrum, spectrum, name, nominal, wide, rng) if reach[name] < wide else None
+        if each is not None and each.stands_out and each.clear >= CLEAR and abs(each.off) > 100.0 * reach[name]:
+            standing = spectrum.standing(each.found)
+            if len(standing) >= FEWEST_LINES and gcd(*standing) == 1:
+                rpm = 60.0 * shaft * each.found / each.expected
+                yield (f"At {rpm:.4g} rpm a line at {each.found:.4g} Hz would be {name} ({each.clear:.1f} standard "
+                       "deviations above others): give the speed more exactly.")  # fmt: skip
+    if kurtosis > IMPULSIVE:
+        yield f"The record is impulsive: its kurtosis is {kurtosis:.3g}, that of noise 3."
 
 
-def _lags(values, rate, line):
-    """Lags of the envelope's most prominent side peaks, s, (BANDS, PARTS, smoothings); nan where there is none."""
-    from scipy import fft
-    from scipy.signal import find_peaks
-
-    lags = np.full((BANDS, PARTS, len(SMOOTHINGS)), np.nan)
-    low, high = max(LOWEST, PASSES_IN_BAND * line), TOP * rate
-    if low >= high:
-        return lags
-    edges = np.geomspace(low, high, BANDS + 1)
-    transform = fft.fft(values[: fft.prev_fast_len(values.size)])
-    frequency = fft.fftfreq(transform.size, 1.0 / rate)
-    for i in range(BANDS):
-        inside = (frequency >= edges[i]) & (frequency < edges[i + 1])
-        parts = np.array_split(np.abs(fft.ifft(np.where(inside, transform, 0.0))), PARTS)
-        for j, part in enumerate(parts):
-            size = fft.next_fast_len(2 * part.size, real=True)
-            spectrum = fft.rfft(part - part.mean(), size)
-            for k, smoothing in enumerate(share / line * rate for share in SMOOTHINGS):  # samples
-                gauss = np.exp(-0.5 * (2.0 * np.pi * fft.rfftfreq(size) * smoothing) ** 2)
-                correlation = fft.irfft(np.abs(spectrum * gauss) ** 2, size)[: int(LONGEST / line * rate)]
-                if correlation.size < 3 or not correlation[0] > 0.0:
-                    continue
-                at, facts = find_peaks(correlation / correlation[0], prominence=PROMINENCE)
-                far = at > NEAREST * smoothing
-                if far.any():
-                    lags[i, j, k] = at[far][np.argmax(facts["prominences"][far])]
-    return lags / rate
-
-
-class Pulse(NamedTuple):
-    """Mean power about a strike."""
-
-    time: np.ndarray  # (n_times,), s, from the highest
-    power: np.ndarray  # (n_times,), over the record's mean
-    length: float  # s, for which it stands above half its height over the background
-
-    @property
-    def contrast(self) -> float:
-        return float(self.power.max() / max(self.power.min(), np.finfo(float).tiny))
-
-
-def mean_pulse(values: np.ndarray, rate: float, line: float) -> Pulse | None:
-    """The mean pulse of a record, (n_times,), at a line, Hz; None: the rate leaves no band above it.
-
-    The highest power of each pass is taken for its strike: noise alone has a pulse too, of the smoothing's length.
-    """
-    from scipy import fft
-    from scipy.ndimage import gaussian_filter1d
-
-    low, period = max(LOWEST, PASSES_IN_BAND * line), rate / line
-    if low >= 0.4 * rate:
-        return None
-    size = fft.prev_fast_len(values.size, real=True)
-    band = np.where(fft.rfftfreq(size, 1.0 / rate) >= low, fft.rfft(values[:size]), 0.0)
-    power = np.abs(_analytic(band, size)) ** 2
-    smooth, around = gaussian_filter1d(power, SMOOTHING * period), np.arange(-int(BEFORE * period), int(AFTER * period))
-    starts = (np.arange(1, int(size / period) - 1) * period).astype(int)
-    strikes = np.array([start + int(np.argmax(smooth[start : start + int(period)])) for start in starts])
-    mean = smooth[np.add.outer(strikes, around)].mean(axis=0) / power.mean()
-    above = mean >= mean.min() + HALF * (mean.max() - mean.min())
-    return Pulse(around / rate, mean, float(np.count_nonzero(above)) / rate)
-
-
-class Judged(NamedTuple):
-    """A signal with its levels and verdict."""
-
-    signal: Signal
-    spectrum: Spectrum  # of the signal itself
-    diagnosis: Diagnosis
-    shaft: float  # Hz, nominal
-    width: Width
-    pulse: Pulse | None  # about strikes of the most prominent part
-    level: Level
-    velocity: float | None  # mm/s rms in ISO 20816's band; None: of no acceleration
-
-    @property
-    def notes(self) -> list[str]:
-        """What is wrong with the record, and what it does not resolve."""
-        return [*self.signal.notes, *self.diagnosis.notes]
-
-
-class Entry(NamedTuple):
-    """A record of a series by its numbers, as summary.json has them; without depths the reason why it can't be used."""
-
-    record: str
-    reason: str | None = None
-    verdict: Verdict = "none"
-    rms: float = np.nan
-    unit: str | None = None
-    kurtosis: float | None = None
-    crest: float | None = None
-    velocity_mm_s: float | None = None
-    speed_rpm: float = np.nan  # as found
-    depths: dict[str, float] | None = None  # by the line of a part
-    prominent: str | None = None  # the part's line that stands out; others' depths hold some of that
+def _notes(verdict, signal, spectrum, nominal, shaft, reach, geometry):
+    two_bins, cage, turns = 2.0 * spectrum.resolution, nominal["FTF"], signal.duration * shaft
+    if verdict == "none":
+        yield ("This does not exclude damage of rolling elements, which few records show, nor of the cage, which is "
+               "not looked for.")  # fmt: skip
+    if geometry.unsure:
+        outer, element = (f"{100.0 * (geometry.reach(name) - SLIP):.1g} % ({name})" for name in ("BPFO", "2×BSF"))
+        yield (f"The pitch diameter, {1e3 * geometry.pitch_diameter:.4g} mm, is estimated; lines were looked for up to "
+               f"{outer} and {element} farther. Give the maker's sizes or orders.")  # fmt: skip
+    if cage < two_bins:
+        yield f"Sidebands of the cage ({cage:.3g} Hz) are not resolved; that takes {2.0 / cage:.2g} s."
+    for first, second in combinations(BODIES, 2):
+        low, high = sorted((nominal[first], nominal[second]))
+        if low * (1.0 + reach[first]) + two_bins > high * (1.0 - reach[second]):
+            yield (f"{first} and {second} lie within the tolerance of speed of each other ({low:.4g} and {high:.4g} "
+                   "Hz); a smaller --speed-tolerance separates them.")  # fmt: skip
+    if verdict in ("none", "uncertain") and turns < FEW_TURNS:
+        yield (f"The record holds {turns:.2g} turns of the shaft, too few for damage of a turning ring to show; record "
+               "for longer.")  # fmt: skip

@@ -6,22 +6,22 @@ import warnings
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from lagrange.errors import UsageError
-from lagrange.files.hdf5 import SIGNATURE, Damaged, check_array
+from lagrange.files.hdf5 import SIGNATURE, check_array
 from lagrange.files.input import read_plain
 from lagrange.files.tables import MOST_NUMBERS, TextTable, decoded
 
 LARGEST = 1 << 29  # bytes of a file, and of what is packed in it
 MOST_CHANNELS = 256
 DEEPEST = 6  # structs in structs
+SLOWEST = 100.0  # Hz, of samples: beside a faster rate a slower one is that of the shaft
 RATE_NAMES = ("rate", "fs", "sr", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency")
-UNIVERSAL = re.compile(rb"\s*-1[ \t\r]*\n[ \t]*58b?\s")
+STEP_NAMES = ("increment", "dt", "timestep", "timeincrement", "sampleinterval", "samplinginterval", "wfincrement")
 TIME_RESPONSE, TIME_AXIS = 1, 17  # UFF58's numbers of a function and of its abscissa
 _NUMBER = r"(?P<number>\d{1,12}(?:[.,]\d{1,12}){0,4})"
 RATES = tuple(  # "Sampling rate: 25.6 kHz", "Abtastrate;25600 Hz"; "Sampling frequency (Hz),25600"; "fs = 25600"
@@ -59,7 +59,10 @@ class Channels:
             return self
         if isinstance(value, dict) or hasattr(value, "_fieldnames"):
             items = value if isinstance(value, dict) else {key: getattr(value, key) for key in value._fieldnames}
-            own = frozenset(rate for key, inner in items.items() if (rate := _rate_of(key, inner)) > 0.0)
+            stated = [rate for key, inner in items.items() if (rate := _rate_of(key, inner)) > 0.0]
+            own = frozenset(rate for rate in stated if rate >= SLOWEST or max(stated) < SLOWEST)
+            title = next((x for key, x in items.items() if key.lower() == "name" and isinstance(x, str) and x), None)
+            name = name if title is None else f"{name} {title}".strip()
             said = (x for key, x in items.items() if re.fullmatch(r"(.*_)?units?", key, re.IGNORECASE))
             words = {x for x in said if isinstance(x, str)}
             unit = unit if not words else words.pop() if len(words) == 1 else ""  # of several none
@@ -82,15 +85,13 @@ class Channels:
 
 
 def _rate_of(key, value):
-    """The rate, Hz, that a number of this name states; 0: none."""
-    if re.sub(r"[^a-z]", "", key.lower()).removesuffix("hz") not in RATE_NAMES or isinstance(value, str | dict):
+    """The rate, Hz, that a number of this name states, itself or by the step between samples, s; 0: none."""
+    word = re.sub(r"[^a-z]", "", key.lower()).removesuffix("hz")
+    if word not in RATE_NAMES + STEP_NAMES or isinstance(value, str | dict):
         return 0.0
     array = np.asarray(value)
-    return float(array.ravel()[0]) if array.dtype.kind in "fiu" and array.size == 1 else 0.0
-
-
-class _Refused(UsageError):
-    """A sentence of our own."""
+    number = float(array.ravel()[0]) if array.dtype.kind in "fiu" and array.size == 1 else 0.0
+    return number if word in RATE_NAMES or number <= 0.0 else 1.0 / number
 
 
 def read_channels(path: Path) -> Channels:
@@ -103,27 +104,25 @@ def read_channels(path: Path) -> Channels:
         raise ValueError(f"larger than {LARGEST >> 20} MiB; cut a part of it")
     if not data.strip():
         raise ValueError("it is empty")
-    kinds = [(kind, read) for start, kind, read in KINDS if data.startswith(start)]
-    if SIGNATURE in (data[:8], data[512:520]):
-        kinds = [("an HDF5 file (MATLAB 7.3)", _hdf5)]
-    elif UNIVERSAL.match(data):
-        kinds = [("a universal file (UFF58)", _universal)]
-    elif not kinds and path.suffix.lower() == ".mat":  # version 4 has no mark of its own
-        kinds = [("a MATLAB file", _matlab)]
-    if not kinds:
+    matlab = ("a MATLAB file", _matlab) if path.suffix.lower() == ".mat" else None  # version 4 has no mark of its own
+    known = next(((kind, read) for begin, kind, read in KINDS if re.match(begin, data)), matlab)
+    if known is None:
         table = TextTable.sniffed(decoded(data))  # and the rate that is stated before its numbers
         tried = (_stated_rate(line[:LONGEST_STATEMENT], table.decimal) for line in table.before)
         stated = [each for each in tried if each is not None]
         rates = frozenset(rate for rate, sampled in stated if sampled) or frozenset(rate for rate, _ in stated)
         values = dict(zip(table.names, table.numbers().T, strict=True))
         return Channels(values, table.units, dict.fromkeys(table.names, rates), table.line)
-    kind, read = kinds[0]
+    kind, read = known
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what a library finds odd but reads
             found = read(data, path)
-    except (_Refused, Damaged):
+    except UsageError:
         raise
+    except ModuleNotFoundError as error:
+        package = str(error.name).partition(".")[0]
+        raise ValueError(f"{kind}; reading it takes a further package: python -m pip install {package}") from None
     except Exception as error:  # of any kind: libraries raise what happens to go wrong
         said = f"{type(error).__name__}: {error}".splitlines()[0][:200]
         raise ValueError(f"begins as {kind}, but can't be read ({said}); is it damaged?") from None
@@ -154,14 +153,7 @@ def _stated_rate(line, decimal):
 
 def _check_size(size):
     if size > LARGEST:
-        raise _Refused(f"unpacks to more than {LARGEST >> 20} MiB; cut a part of it")
-
-
-def _package(name, kind, install):
-    try:
-        return import_module(name)
-    except ImportError:
-        raise _Refused(f"{kind}; reading it takes a further package: python -m pip install {install}") from None
+        raise UsageError(f"unpacks to more than {LARGEST >> 20} MiB; cut a part of it")
 
 
 def _wav(data, path):
@@ -170,7 +162,7 @@ def _wav(data, path):
 
     rate, values = wavfile.read(io.BytesIO(data))
     if values.size > MOST_NUMBERS:
-        raise _Refused(f"a WAV file of more than {MOST_NUMBERS} samples; cut a part of it")
+        raise UsageError(f"a WAV file of more than {MOST_NUMBERS} samples; cut a part of it")
     kind, found = values.dtype.kind, values.reshape(len(values), -1).astype(float)
     if kind == "u":
         found = found / 128.0 - 1.0  # 8 bits have no sign
@@ -193,7 +185,7 @@ def _archive(data, path):
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         entries = archive.infolist()
         if not any(entry.filename.endswith(".npy") for entry in entries):
-            raise _Refused("an Excel workbook or an archive; save the sheet as CSV")
+            raise UsageError("an Excel workbook or an archive; save the sheet as CSV")
         _check_size(sum(entry.file_size for entry in entries))
     with np.load(io.BytesIO(data), allow_pickle=False) as file:
         return Channels().collect({name: file[name] for name in file.files})
@@ -224,7 +216,9 @@ def _hdf5(data, path):
 
 def _universal(data, path):
     """Data sets 58 over equal steps of time; spectra and the like are no signals."""
-    sets = _package("pyuff", "a universal file (UFF58)", "pyuff").UFF(str(path)).read_sets()
+    from pyuff import UFF
+
+    sets = UFF(str(path)).read_sets()
     sets = [each for each in (sets if isinstance(sets, list) else [sets]) if each.get("type") == 58]
     found = Channels()
     for k, each in enumerate(sets, 1):
@@ -234,15 +228,16 @@ def _universal(data, path):
             rates = frozenset([1.0 / step] if step else [])
             found.collect(each["data"], f"{k} {each.get('id1', '')}".strip(), rates)
     if sets and not found.values:
-        raise _Refused(
-            f"a universal file (UFF58) of {len(sets)} data sets, none of them over time; spectra cannot be used"
-        )
+        sets = f"{len(sets)} data sets, none of them over time"
+        raise UsageError(f"a universal file (UFF58) of {sets}; spectra cannot be used")
     return found
 
 
 def _tdms(data, path):
+    from nptdms import TdmsFile
+
     found = Channels()
-    with _package("nptdms", "a TDMS file", "nptdms").TdmsFile.open(path) as file:
+    with TdmsFile.open(path) as file:
         channels = [c for group in file.groups() for c in group.channels() if c.dtype.kind in "fiu"]
         _check_size(sum(len(channel) * channel.dtype.itemsize for channel in channels))
         for each in channels:
@@ -253,7 +248,9 @@ def _tdms(data, path):
 
 
 def _parquet(data, path):
-    file = _package("pyarrow.parquet", "a Parquet file", "pyarrow").ParquetFile(io.BytesIO(data))
+    from pyarrow.parquet import ParquetFile
+
+    file = ParquetFile(io.BytesIO(data))
     kinds = {each.name: str(each.type) for each in file.schema_arrow}
     numbers = [name for name, kind in kinds.items() if re.fullmatch(r"u?int\d+|float|double|halffloat", kind)]
     _check_size(8 * file.metadata.num_rows * len(numbers))
@@ -261,11 +258,13 @@ def _parquet(data, path):
     return Channels().collect({name: np.asarray(table[name]) for name in table.column_names})
 
 
-KINDS: tuple[tuple[bytes, str, Callable[[bytes, Path], Channels]], ...] = (
-    *((start, "a WAV file", _wav) for start in (b"RIFF", b"RIFX", b"RF64")),
-    (b"MATLAB", "a MATLAB file", _matlab),
-    (b"\x93NUMPY", "an NPY file", lambda data, _: Channels().collect(np.load(io.BytesIO(data)), "x")),
-    (b"PK\x03\x04", "an NPZ file", _archive),
-    (b"TDSm", "a TDMS file", _tdms),
-    (b"PAR1", "a Parquet file", _parquet),
+KINDS: tuple[tuple[bytes, str, Callable[[bytes, Path], Channels]], ...] = (  # by how they begin
+    (rb"(?s:.{512})?" + re.escape(SIGNATURE), "an HDF5 file (MATLAB 7.3)", _hdf5),
+    (rb"\s*-1[ \t\r]*\n[ \t]*58b?\s", "a universal file (UFF58)", _universal),
+    (rb"RIFF|RIFX|RF64", "a WAV file", _wav),
+    (rb"MATLAB", "a MATLAB file", _matlab),
+    (rb"\x93NUMPY", "an NPY file", lambda data, _: Channels().collect(np.load(io.BytesIO(data)), "x")),
+    (rb"PK\x03\x04", "an NPZ file", _archive),
+    (rb"TDSm", "a TDMS file", _tdms),
+    (rb"PAR1", "a Parquet file", _parquet),
 )

@@ -12,7 +12,8 @@ from lagrange.messages import G, shown
 from residual.measured.formats import MOST_NUMBERS, read_channels
 
 TIME = re.compile(
-    r"(?:.*[._])?(?:time|t|zeit|timestamp|abscissa|x[_ ]?values?)(?:[\s_]*[\[(]?(s|sec|ms|us|µs|ns)[\])]?)?",
+    r"(?:.*[._])?(?:time|t|zeit|timestamp|abscissa|x[_ ]?values?)(?:[\s_]*[\[(]?(s|sec|ms|us|µs|ns)[\])]?)?"
+    r"|(?:.*\.)?X(?:\[\d+\])?(?: [^.]*)?\.data",
     re.IGNORECASE,
 )
 SPECTRAL = re.compile(r"(?:.*[._])?(?:f|freq|frequen\w{0,9})(?:[\s_]*[\[(]?k?Hz[\])]?)?", re.IGNORECASE)
@@ -20,12 +21,13 @@ SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9
 UNITS = {  # as people write them: factor to SI, SI unit
     **dict.fromkeys(("g", "gn"), (G, "m/s²")), "mg": (1e-3 * G, "m/s²"),
     **dict.fromkeys(("m/s²", "m/s2", "m/s^2", "m_s2"), (1.0, "m/s²")),
+    **dict.fromkeys(("mm/s²", "mm/s2", "mm/s^2", "mm_s2"), (1e-3, "m/s²")),
     **dict.fromkeys(("mm/s", "mm_s"), (1e-3, "m/s")), "m/s": (1.0, "m/s"),
 }  # fmt: skip
 VOLTS = {"v": 1.0, "mv": 1e-3}
 SENSITIVITY = re.compile(r"([\d.]+)\s*(m?)V\s*/\s*\(?\s*(g|m/s2|m/s²|m/s\^2|mm/s)\s*\)?", re.IGNORECASE)
 IN_BRACKETS = re.compile(r"[\[(]([^\])]+)[\])]\s*$")  # of a channel's name
-BEHIND = re.compile(r"_(g|m_s2|mm_s|mm/s|m/s(?:\^?2|²)?)$")
+BEHIND = re.compile(r"_(g|mm?_s2|mm_s|mm?/s(?:\^?2|²)?)$")
 FEWEST = 1024  # samples
 UNEVEN, APART = 0.02, 1.5  # steps, by which times may scatter as they are written with few digits; more is a gap
 RATES_AGREE = 0.01
@@ -45,6 +47,7 @@ class Signal(NamedTuple):
     rate: float  # Hz
     unit: str  # "m/s²", "m/s"; "" where the record does not tell
     notes: tuple[str, ...] = ()
+    records: int = 1  # equally long ones of one speed, one behind the other in `values`
 
     @property
     def duration(self) -> float:
@@ -68,10 +71,8 @@ def read_signal(
     path = Path(path)
     try:
         channels = read_channels(path)
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror or error}") from None
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: {getattr(error, 'strerror', None) or error}") from None
     times = _times(channels)
     name = _chosen(path, channels, channel)
     values = channels.values[name]
@@ -84,25 +85,20 @@ def read_signal(
         time, values, place = time[there], values[there], place[there]
         if not np.all(np.isfinite(time)):
             if rate is None:
-                raise InputError(
-                    f"{path}: {word} {place[np.argmin(np.isfinite(time))]} has no time; delete it, or give --rate, "
-                    "which goes before times"
-                )
+                where = f"{word} {place[np.argmin(np.isfinite(time))]}"
+                raise InputError(f"{path}: {where} has no time; delete it, or give --rate, which goes before times")
             time = None
     else:
         for axis, along in channels.values.items():
             if SPECTRAL.fullmatch(axis.strip()) and along.size == values.size and _rises(along):
-                raise InputError(
-                    f"{path}: a spectrum over {shown(axis)}, not a record over time; export the time signal"
-                )
+                what = f"a spectrum over {shown(axis)}, not a record over time"
+                raise InputError(f"{path}: {what}; export the time signal")
     notes = [f"{note[0].upper()}{note[1:]}." for note in channels.notes]
     found = _rate(path, name, time, channels.rates.get(name, frozenset()), rate, notes)
     whole, (values, missing) = values.size, _longest(path, values, time, word, place)
     if values.size < FEWEST:
-        raise InputError(
-            f"{path}: {name} has {values.size} samples in one piece; at least {FEWEST} are needed"
-            + (f"; it has {missing}" if missing else "")
-        )
+        few = f"{name} has {values.size} samples in one piece; at least {FEWEST} are needed"
+        raise InputError(f"{path}: {few}" + (f"; it has {missing}" if missing else ""))
     if missing:
         notes.append(f"The record has {missing}; the longest piece was taken, {values.size} of {whole} samples.")
     factor, si = _unit(path, name, channels, unit, sensitivity)
@@ -162,13 +158,13 @@ def _time_of(path, name, size, times, given):
 def _chosen(path, channels, wanted):
     """The name of a channel that is asked for, or of the only one."""
     names = list(channels.values)
-    first = channels.longest if wanted is None else names  # short ones are seldom what a record is of
-    listed = ", ".join(f"{k} {shown(name)[:60]}" for k, name in enumerate(first[:20], 1))
     if not names:
         raise InputError(f"{path}: holds times but no signal")
+    first = channels.longest if wanted is None else names  # short ones are seldom what a record is of
+    listed = ", ".join(f"{k} {shown(name)[:60]}" for k, name in enumerate(first[:20], 1))
+    if wanted is None and len(first) == 1:
+        return first[0]
     if wanted is None:
-        if len(first) == 1:
-            return first[0]
         raise InputError(f"{path}: holds {len(first)} channels; add --channel and one of: {listed}")
     whole = [name for name in (wanted, f"{wanted}_m_s2") if name in names]  # as exports name them, beside the same in g
     matches = [name for name in names if wanted.lower() in name.lower()]
@@ -192,11 +188,9 @@ def _rate(path, name, time, stated, given, notes):
         step = float(np.median(steps))
         near = steps[steps < APART * step]
         own = [1.0 / float(near.mean())]
-        if np.std(near) > UNEVEN * step:
-            notes.append(
-                f"Times scatter by {100.0 * float(np.std(near)) / step:.2g} % of a step; samples were taken as equally "
-                "spaced, which blurs lines where they are not."
-            )
+        if (scatter := float(np.std(near)) / step) > UNEVEN:
+            notes.append(f"Times scatter by {100.0 * scatter:.2g} % of a step; samples were taken as equally spaced, "
+                         "which blurs lines where they are not.")  # fmt: skip
     written = " or ".join(f"{rate:.6g}" for rate in own)
     if given is not None:
         if any(abs(rate / given - 1.0) > RATES_AGREE for rate in own):
@@ -246,33 +240,27 @@ def _unit(path, name, channels, given, sensitivity):
     if given is not None and unit in VOLTS:
         raise InputError(f"--unit {given}: add the sensor's --sensitivity, as 100mV/g")
     if given is not None and unit not in UNITS:
-        raise InputError(f"--unit {shown(given)}: not known; known are g, m/s2, mm/s, and V with --sensitivity")
+        raise InputError(f"--unit {shown(given)}: not known; known are g, m/s2, mm/s2, mm/s, and V with --sensitivity")
     return UNITS.get(unit, (VOLTS.get(unit, 1.0), ""))
 
 
 def _faults(values, rate):
     """What is wrong with a record, as sentences."""
-    notes = []
     starts = np.append(0, np.flatnonzero(np.diff(values) != 0.0) + 1)
-    lengths = np.diff(starts, append=values.size)
-    high, low = float(values.max()), float(values.min())
+    lengths, high, low = np.diff(starts, append=values.size), values.max(), values.min()
     clipped = ((values[starts] == high) | (values[starts] == low)) & (lengths >= CLIPPED_RUN)
     dropped = (lengths >= DROPPED) & ~clipped
     if clipped.sum() >= CLIPPED and high > low:
         share = float(lengths[clipped].sum()) / values.size
-        notes.append(
-            f"The record is {'saturated' if share > SATURATED else 'clipped'}: {int(clipped.sum())} runs of samples at "
-            f"its largest or smallest value ({100.0 * share:.2g} % of it); lower the gain. Levels are too low."
-        )
+        how = "saturated" if share > SATURATED else "clipped"
+        yield (f"The record is {how}: {clipped.sum()} runs of samples at its largest or smallest "
+               f"value ({100.0 * share:.2g} % of it); lower the gain. Levels are too low.")  # fmt: skip
     if dropped.any() and high > low:
-        longest = 1e3 * float(lengths[dropped].max()) / rate
-        notes.append(
-            f"The signal drops out {int(dropped.sum())} times: it stays at one value, for up to {longest:.3g} ms."
-        )
+        longest = f"{1e3 * float(lengths[dropped].max()) / rate:.3g} ms"
+        yield f"The signal drops out {dropped.sum()} times: it stays at one value, for up to {longest}."
     mean, spread = float(values.mean()), float(values.std())
     if spread > 0.0 and abs(mean) > OFFSET * spread:
-        notes.append(f"Its mean, {mean:.3g}, is larger than its rms about it, {spread:.3g}, and was removed.")
+        yield f"Its mean, {mean:.3g}, is larger than its rms about it, {spread:.3g}, and was removed."
     different = np.unique(values[: 1 << 16]).size
     if 1 < different < COARSE:
-        notes.append(f"It has {different} different values only: the range was set too wide.")
-    return notes
+        yield f"It has {different} different values only: the range was set too wide."

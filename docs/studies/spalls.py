@@ -1,7 +1,7 @@
 """A labelled set of spalls: `python spalls.py 1000` writes spalls.csv, `python spalls.py` classifies studies/spalls.
 
 `python spalls.py --records FOLDER` lets it answer for measured records too, in .npz files
-as benchmarks.measured_records has them.
+of `x` and `scale`, `rate` and `shaft` (Hz), `label` and `geometry` (number, diameters in mm).
 The classifier is a forest of trees on the levels of the envelope's lines; noise is put on the signals of both halves.
 It needs scikit-learn, xarray and netCDF4: python -m pip install scikit-learn xarray netCDF4
 """

@@ -429,6 +429,9 @@ def _look(signal, whitened: Prewhitened, geometry, shaft, tolerance, turns, heal
         found = [each for each, *_ in damaged]
         best, findings = found[0], found + [each for each in findings if each not in found]
         verdict, reasons = damaged[0][1], sum((said for *_, said in damaged), ())
+        if healthy is not None:
+            then = (f"{each.name}: {healthy.of(each.name).depth:.2f}" for each in found)
+            reasons += (f"New since the healthy record, whose depths were {', '.join(then)}.",)
     else:
         _, verdict, reasons = judged[0]
         if verdict == "none":

@@ -456,13 +456,14 @@ SPEEDS = (300.0, 8), (1500.0, 5), (3000.0, 3), (9000.0, 2)  # rpm, per cent of t
 @slow
 @pytest.mark.parametrize(("number", "designation"), list(enumerate(BEARINGS)))
 def test_rollers_in_the_default_cage_orbit_as_rolling(number, designation):
-    """Within −0.1 to +0.25 %, the cage's own slip with them: over two turns, at two speeds and loads each."""
+    """Within −0.1 to +0.25 %, the cage's own slip with them, at two speeds and loads each: over two turns, at 9000 rpm
+    over six, as two scatter by ±0.07 % with a clearance that differs by 1 %."""
     for rpm, share in (SPEEDS[number % 4], SPEEDS[(number + 2) % 4]):
         scene = scene_of(designation, operation={
             "speed_rpm": rpm, "radial_load_N": 0.01 * share * dynamic_capacity(elements(designation).row)})  # fmt: skip
         ideal = kinematics(scene.ideal_bearing(), scene.ideal_operation().speed).cage
-        play = 3.5e-4 * 2e6 * scene.perfect_bearing().pitch_radius  # µm
-        changes = {"bearing.clearance_um": play, "numerics.duration_ms": 30.0 + 2.0 * 2e3 * np.pi / ideal}
+        play, turns = 3.5e-4 * 2e6 * scene.perfect_bearing().pitch_radius, 2.0 if rpm < 9000.0 else 6.0  # µm
+        changes = {"bearing.clearance_um": play, "numerics.duration_ms": 30.0 + turns * 2e3 * np.pi / ideal}
         found = simulate(scene.varied(changes))
         late = found.time > 0.03
         for angle in (found["roller_theta"].mean(axis=1)[late], found["cage_angle"][late]):

@@ -246,7 +246,7 @@ def texts_without_encoding(source):
         if name not in ("open", "fdopen", "read_text", "write_text", "TextIOWrapper"):
             continue
         whose = ast.unparse(getattr(call.func, "value", None) or call.func)
-        if name == "open" and (whose in ("os", "Image", "archive", "webbrowser") or whose.endswith(".TdmsFile")):
+        if name == "open" and (whose in ("os", "Image", "archive", "webbrowser") or whose.split(".")[-1] == "TdmsFile"):
             continue
         given = [*call.args, *(keyword.value for keyword in call.keywords if keyword.arg == "mode")]
         modes = [arg.value for arg in given[:2] if isinstance(arg, ast.Constant) and isinstance(arg.value, str)]

@@ -135,7 +135,7 @@ def _texts(page: Panel, x: float, y: float, lines: Sequence[str], size: float, a
 def _bodies(plane: Panel, sketch: Drawing, fine: DrawnBearing, scale: Scale, unit: float, page=False, mesh=True):
     """Coloured bodies, their outlines, and the holes of spalls, which are returned.
     `unit` : m, a length of the panel; `page` : whether it shows the whole bearing: spalls as deep as rollers reach;
-    `mesh` : whether edges of the finite elements are drawn, if they can be told apart"""
+    `mesh` : whether edges of the finite elements are drawn, if they can be resolved"""
     values, is_roller = scale.values(fine), fine.body[fine.triangles[:, 0]] >= FIRST_ROLLER
     drawn, magnification, pixel = sketch.drawn, sketch.magnification, plane.view.pixel * unit
     for part in (~is_roller, is_roller):  # above: where one lies in a spall, magnified, it overlaps the ring

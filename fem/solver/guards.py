@@ -57,7 +57,7 @@ class EnergyAccount:
         exchanged = np.fmax.accumulate(np.fmax(exchanged, most))
         found = Samples(values=values, imbalance=imbalance, exchanged=exchanged, error=np.zeros(len(imbalance)))
         dissipated = values["work_dissipated"]
-        left = np.exp(-np.fmax(np.diff(dissipated, prepend=given), 0.0) / found.passed_on).tolist()
+        left = np.exp(-np.fmax(np.diff(dissipated, prepend=given), 0.0) / found.energy_scale).tolist()
         added = np.diff(imbalance, prepend=last).tolist()
         found.error[:] = [error := error * kept + more for kept, more in zip(left, added, strict=True)]
         self.sums[:] = exchanged[-1], error, imbalance[-1], dissipated[-1]

@@ -97,8 +97,8 @@ class RowState(RunState):
         """Stand at the start of the plan."""
         self.reader = SampleReader(self.plan)
         self.largest = np.zeros(3)  # N, so far: see `largest_forces`
-        self.missed, self.passed_on = np.zeros(1), np.zeros(1)  # J, the largest energy error, what it is measured by
-        self._came_apart = False  # whether the last block ended because bodies were out of place
+        self.missed, self.energy_scale = np.zeros(1), np.zeros(1)  # J, the largest energy error, what it is measured by
+        self._out_of_place = False  # whether the last block ended because bodies were out of place
 
     @abstractmethod
     def named_arrays(self) -> dict[str, np.ndarray]:
@@ -159,7 +159,7 @@ class RowState(RunState):
         if taken is None:
             return Block()
         rows, status, step, body = taken
-        samples, trouble, self._came_apart = None, None, False
+        samples, trouble, self._out_of_place = None, None, False
         if status != DONE:
             good = np.all(np.isfinite(rows), axis=1) & np.any(rows != 0.0, axis=1)  # finite, and filled
             rows = rows if good.all() else rows[: int(np.argmin(good))]
@@ -171,7 +171,7 @@ class RowState(RunState):
             self.largest[:] = np.maximum(self.largest, guards.largest_forces(sound))
             if count:
                 self.missed[0] = max(self.missed[0], np.abs(sound.error).max())
-                self.passed_on[0] = sound.passed_on[-1]
+                self.energy_scale[0] = sound.energy_scale[-1]
             samples = sound.at(slice(None, None, plan.looks))
             self.done += len(samples)
         return Block(samples=samples, frame=frame, trouble=trouble)
@@ -191,8 +191,8 @@ class RowState(RunState):
         give = guards.ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.heaviest)
         balanced, in_place = guards.n_balanced(looked), guards.n_in_place(bearing, give, looked)
         self.imbalance = float(looked.relative_error()[min(balanced, len(looked) - 1)])
-        self._came_apart = in_place < balanced
-        if self._came_apart:
+        self._out_of_place = in_place < balanced
+        if self._out_of_place:
             hint = "without a cage a few rollers gather on one side: add a [cage], use more rollers or "
             if plan.scene.cage is not None:
                 hint = "use a lighter load, more rollers, stiffer pockets of the cage or "
@@ -204,22 +204,22 @@ class RowState(RunState):
 
     @property
     def warnings(self):
-        found, missed, passed_on = (
+        found, missed, energy_scale = (
             guards.run_warnings(self.plan.bearing, self.largest),
             self.missed[0],
-            self.passed_on[0],
+            self.energy_scale[0],
         )
-        if missed > guards.DOUBTFUL * passed_on:
+        if missed > guards.DOUBTFUL * energy_scale:
             found += (
-                f"the energy balance is off by up to {100.0 * missed / passed_on:.2g} % of what is exchanged "
-                f"({1e3 * passed_on:.3g} mJ): the motion may be off by as much; {self.plan.finer}",
+                f"the energy balance is off by up to {100.0 * missed / energy_scale:.2g} % of what is exchanged "
+                f"({1e3 * energy_scale:.3g} mJ): the motion may be off by as much; {self.plan.finer}",
             )
         return found
 
     def kept_arrays(self) -> dict[str, np.ndarray]:
         """What a checkpoint keeps, as views: the arrays of the loop and of all that watches them."""
         reader, account = self.reader, self.reader.account.sums
-        watched = {"largest": self.largest, "missed": self.missed, "passed_on": self.passed_on}
+        watched = {"largest": self.largest, "missed": self.missed, "energy_scale": self.energy_scale}
         return self.named_arrays() | watched | {"angle": reader.angle, "base": reader.base, "account": account}
 
     def to_keep(self):

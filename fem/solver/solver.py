@@ -63,10 +63,10 @@ class Samples:
 
     def relative_error(self) -> np.ndarray:
         """Energy error over the energy exchanged, (n,)."""
-        return self.error / self.passed_on
+        return self.error / self.energy_scale
 
     @property
-    def passed_on(self) -> np.ndarray:
+    def energy_scale(self) -> np.ndarray:
         """Energy that an error is measured by, (n,), J: that exchanged, or what the kinetic energy rounds to."""
         return np.fmax(self.exchanged, ROUND_OFF * np.abs(self["energy_kinetic"]) + 1e-30)
 

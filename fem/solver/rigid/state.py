@@ -353,10 +353,10 @@ class ReducedState(RigidState):
             guards.add_samples(self.hub_sums, samples)
         if not lost or self.restarts["halvings"] == self.most_halvings:
             return block
-        if self._came_apart and self.restarts["halvings"] and abs(self.imbalance) <= LIMIT:
+        if self._out_of_place and self.restarts["halvings"] and abs(self.imbalance) <= LIMIT:
             return block  # no fault of the steps: with shorter ones, too, and while energy balances
         reason = f"energy does not balance to {LIMIT:g} of what is exchanged"
-        reason = "the bearing comes apart" if self._came_apart else reason
+        reason = "the bearing comes apart" if self._out_of_place else reason
         return self.restart(block, f"{reason} with steps of {1e6 * self.plan.time_step:.3g} µs")
 
     def _loses_energy(self, samples):
@@ -480,7 +480,7 @@ class LagrangianState(RigidState):
 
     def judged(self, block):
         at_end = self.done == self.plan.n_samples and block.trouble is None
-        if not (at_end or self._came_apart):
+        if not (at_end or self._out_of_place):
             return block
         too_fast = self.judge.too_fast
         if (trouble := too_fast or self.judge.rattling) is None:
@@ -499,8 +499,8 @@ class LagrangianState(RigidState):
         self.judge.meet(looked)
         self.imbalance = float(looked.relative_error()[-1])
         in_place = guards.n_in_place(bearing, THROUGH * bearing.roller_radius, looked)
-        self._came_apart = in_place < len(looked) and trouble is None
-        if self._came_apart:
+        self._out_of_place = in_place < len(looked) and trouble is None
+        if self._out_of_place:
             hint = "use a lighter load, more or larger rollers or a stiffer material"
             reason = "rigid bodies have gone through one another", hint
             trouble = guards.place_trouble(bearing, self.plan.time_step, looked, in_place, *reason)
@@ -508,10 +508,10 @@ class LagrangianState(RigidState):
 
     @property
     def warnings(self):
-        found, missed, passed_on = self.judge.warnings(self.largest), self.missed[0], self.passed_on[0]
-        if missed > guards.ENERGY_TOLERANCE * passed_on:
+        found, missed, energy_scale = self.judge.warnings(self.largest), self.missed[0], self.energy_scale[0]
+        if missed > guards.ENERGY_TOLERANCE * energy_scale:
             found += (
-                f"the energy balance is off by up to {100.0 * missed / passed_on:.2g} % of the largest exchanged "
+                f"the energy balance is off by up to {100.0 * missed / energy_scale:.2g} % of the largest exchanged "
                 f"energy: the step of {1e6 * self.plan.time_step:.3g} µs is too long for impacts and dampers; single "
                 "impacts are off by as much",
             )

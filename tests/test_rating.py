@@ -434,7 +434,7 @@ def test_the_command_writes_what_was_promised_and_a_page_shows_it(here, capsys):
     told = read_json("NU206-rating.json")
     assert set(PROMISED) <= set(told)
     assert all(value is not None or told["reasons"][name] for name, value in told.items())
-    assert set(told["sources"]) == {declared[0] for declared in DECLARED}
+    assert set(told["sources"]) == {declared[1] for declared in DECLARED}
     assert np.shape(told["stiffness_N_per_m"]) == (2, 2) and np.shape(told["stiffness_range_N_per_m"]) == (2, 2, 2)
     shown = capsys.readouterr().out
     assert "basic dynamic load rating C" in shown and "ISO 281 †" in shown and "wrote NU206-rating.json" in shown
@@ -521,7 +521,7 @@ def test_a_load_that_turns_is_a_duty_cycle_and_a_file_may_give_one(here, capsys)
     assert any("changes with time" in warning for warning in found.warnings)
     Path("cycle.csv").write_text("load_kN;speed [1/min];share [%]\n1,0;600;66,6\n2,0;1200;33,3\n", encoding="utf-8")
     assert rate_main(["--bearing", "NU206", "--cycle", "cycle.csv", "--decimal", ","]) == 0
-    assert "equivalent dynamic load P  " in (printed := capsys.readouterr().out) and "weight included" not in printed
+    assert "equivalent dynamic load P  " in (printed := capsys.readouterr().out) and "with weight" not in printed
     told, cycle = read_json("NU206-rating.json"), cycle_of([1e3, 2e3], [600.0, 1200.0], [2.0, 1.0])
     assert told["P_N"] == pytest.approx(cycle.load()) and told["P0_N"] == 2000.0
     assert told["speed_rpm"] == pytest.approx(800.0)

@@ -1,6 +1,6 @@
 """Every number that a machine's designer asks of a bearing, with its unit, meaning and source; null with a reason.
 
-`Case` computes what they need of a scene, each once; DECLARED has a row for every answer.
+`Case` computes what they need of a scene, each once; BLOCKS has a row for every answer.
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping
@@ -23,7 +23,7 @@ from lagrange.mounting import HELD
 from lagrange.rating import life, reference_life, sources
 from lagrange.rating.life import Basic, Dimensions, DutyCycle, Torque, in_hours, reference_viscosity, reliability_factor
 from lagrange.rating.reference_life import LaminaLoads, RunLoads
-from lagrange.rating.sources import Source, Unavailable
+from lagrange.rating.sources import NotAsked, Source, Unavailable
 from lagrange.rating.stiffness import SAMPLES, Pitch, lagrangian_pitch
 from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene
@@ -118,7 +118,8 @@ class Case:
     def viscosity(self) -> float:  # kinematic, mm²/s
         if self.options.viscosity is not None:
             return self.options.viscosity
-        oil = self.scene.lubricant or _refuse("no viscosity: no [lubricant] in the scene; or give --viscosity in mm²/s")
+        unknown = "no viscosity: no [lubricant] in the scene; or give --viscosity in mm²/s"
+        oil = self.scene.lubricant or _not_asked(unknown)
         return 1e6 * oil.viscosity_Pa_s / self.options.oil_density
 
     kappa = cached_property(lambda self: self.viscosity / reference_viscosity(self.rpm, self.basic.pitch))
@@ -178,7 +179,7 @@ class Case:
         """The same with rollers that tilt."""
         from fem.rating.equilibria import tilted_pitch
 
-        axial = axial or self.axial or _refuse(PLANE)
+        axial = axial or self.axial or _not_asked(PLANE)
         return tilted_pitch(self.bearing, axial, operation, None if elastic else self.laws)
 
     # over a pitch: by elastic rings, by rigid ones, by the contacts of the scene's model without and with tilting
@@ -229,7 +230,7 @@ class Case:
 
     @cached_property
     def film(self) -> float:  # least thickness at either raceway, m
-        oil = (self.scene.lubricant or _refuse("no film: the scene has no [lubricant]")).lubricant()
+        oil = (self.scene.lubricant or _not_asked("no film: the scene has no [lubricant]")).lubricant()
         _ = self.line_contacts
         forces, speeds = self.largest_forces, (self.relative_speed, 0.0)
         found = film_thicknesses(self.bearing, speeds, forces, oil) if min(forces) > 0.0 else ()
@@ -237,7 +238,7 @@ class Case:
 
     def film_ratio(self) -> float:  # λ
         unknown = "no roughness of the surfaces: give --roughness, rms of both together, in µm"
-        roughness = self.options.roughness or _refuse(unknown)
+        roughness = self.options.roughness or _not_asked(unknown)
         return 1e6 * self.film / roughness
 
     @property
@@ -260,7 +261,7 @@ class Case:
         width = width or _refuse("the bearing's width is not known: no designation; give --width in mm")
         return {name: loss / life.conductance(*self.diameters, width) for name, loss in losses.items()}
 
-    build_up = property(lambda self: self.scene.operating_clearance() or _refuse(NO_FIT))
+    build_up = property(lambda self: self.scene.operating_clearance() or _not_asked(NO_FIT))
 
     @cached_property
     def clearance_parts(self) -> dict[str, float | None]:  # µm
@@ -275,11 +276,11 @@ class Case:
         of_speed = {"speed": -2e6 * spin / cosine, "film": 1e6 * self.scene.film_loss() / cosine}
         return {"given": given, "shaft_fit": None, "housing_fit": None, "temperature": None, **of_speed}
 
-    run = property(lambda self: self.options.run or _refuse(NO_RUN))
+    run = property(lambda self: self.options.run or _not_asked(NO_RUN))
 
     @property
     def with_housing(self) -> np.ndarray:  # stiffness of the bearing and its housing behind each other, (2, 2), N/m
-        housing = self.mounting.housing or _refuse("the scene has no [support] with a housing on springs")
+        housing = self.mounting.housing or _not_asked("the scene has no [support] with a housing on springs")
         springs = stiffness_factor(self.bearing) * housing.stiffness * np.eye(2)
         return np.linalg.inv(np.linalg.inv(self.pitch.mean) + np.linalg.inv(springs))
 
@@ -287,7 +288,7 @@ class Case:
         """Of the hub against the ground, N/m: bearing and housing behind each other, beside the shaft's springs."""
         housing, shaft = self.mounting.housing, self.mounting.shaft
         if housing is None and shaft is None:
-            raise Unavailable("the scene has neither a housing nor a shaft on springs")
+            raise NotAsked("the scene has neither a housing nor a shaft on springs")
         beside = 0.0 if shaft is None else stiffness_factor(self.bearing) * shaft.stiffness
         return (self.pitch.mean if housing is None else self.with_housing) + beside * np.eye(2)
 
@@ -323,20 +324,27 @@ def _refuse(reason: str) -> Any:
     raise Unavailable(reason)
 
 
+def _not_asked(reason: str) -> Any:
+    raise NotAsked(reason)
+
+
 def positive(load: float, else_what: str) -> float:
     """The load, N. Unavailable: there is none."""
     return load if load > 0.0 else _refuse(f"without load {else_what}")
 
 
 class Answer(NamedTuple):
-    """One number, or some that belong together; `value` None where there is none, and then `reason` says why."""
+    """One number, or some that belong together; `value` None where there is none, and then `reason` says why.
+    `asked` : False of what only an option or a part of the scene that was not given would bring."""
 
+    block: str
     name: str
     value: Any
     unit: str
     meaning: str
     source: Source
     reason: str = ""
+    asked: bool = True
 
 
 STRESSES = {  # of a contact, and what turns them out of SI
@@ -344,92 +352,95 @@ STRESSES = {  # of a contact, and what turns them out of SI
     "largest_von_mises_MPa": 1e-6, "von_mises_depth_um": 1e6}  # fmt: skip
 
 s = sources
-DECLARED: tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...] = (
-    ("C_N", "N", "basic dynamic load rating C", s.DYNAMIC, lambda c: c.basic.dynamic),
-    ("C0_N", "N", "basic static load rating C0", s.STATIC, lambda c: c.basic.static),
-    ("Cu_N", "N", "fatigue load limit C_u", s.FATIGUE, lambda c: c.basic.fatigue),
-    ("P_N", "N", "equivalent dynamic load P{weight}", s.LOAD, lambda c: c.load),
-    ("P0_N", "N", "equivalent static load P0", s.STATIC, lambda c: c.largest_load),
-    ("s0", "1", "static safety factor", s.STATIC, lambda c: c.basic.static / positive(c.largest_load, "infinite")),
-    ("speed_rpm", "1/min", "relative ring speed (mean over the duty cycle)", s.LOAD, lambda c: c.rpm),
-    ("L10_Mrev", "Mrev", "basic rating life L10", s.LIFE, lambda c: c.basic_life),
-    ("L10_h", "h", "basic rating life L10", s.LIFE, lambda c: in_hours(c.basic_life, c.rpm)),
-    ("a1", "1", "reliability factor a1", s.RELIABILITY, lambda c: reliability_factor(c.options.reliability)),
-    ("nu_mm2_s", "mm²/s", "kinematic viscosity in operation", s.VISCOSITY, lambda c: c.viscosity),
-    ("nu1_mm2_s", "mm²/s", "reference viscosity ν1", s.VISCOSITY, lambda c: reference_viscosity(c.rpm, c.basic.pitch)),
-    ("kappa", "1", "viscosity ratio κ", s.VISCOSITY, lambda c: c.kappa),
-    ("e_C", "1", "contamination factor e_C", s.CONTAMINATION, lambda c: c.contamination),
-    ("a_ISO", "1", "life modification factor a_ISO", s.A_ISO, lambda c: c.a_iso),
-    ("Lnm_h", "h", "modified rating life a1 a_ISO L10", s.A_ISO,
-     lambda c: in_hours(reliability_factor(c.options.reliability) * c.a_iso * c.basic_life, c.rpm)),
-    ("L10r_Mrev", "Mrev", "reference rating life L10r, rigid rings", s.REFERENCE,
-     lambda c: c.reference_life(c.rigid.loads)),
-    ("L10r_pitch_Mrev", "Mrev", "L10r, rigid rings, mean over a pitch", s.REFERENCE,
-     lambda c: c.reference_life(np.concatenate(
-         [c.rigid_at(2.0 * pi / c.row.rollers * k / POSITIONS).loads for k in range(POSITIONS)]))),
-    ("L10r_elastic_Mrev", "Mrev", "L10r, elastic rings, mean over a pitch", s.LOAD_SHARING, lambda c: c.elastic_life()),
-    ("L10r_run_Mrev", "Mrev", "L10r, roller loads of the run", s.OF_RUN,
-     lambda c: c.run.life(c.row, c.axial is not None)),
-    ("Lnmr_h", "h", "modified reference rating life Lnmr", s.REFERENCE,
-     lambda c: _refuse("not implemented: no source for the equivalent load of a lamina")),
-    ("peak_pressure_MPa", "MPa", "largest Hertz pressure", s.HERTZ, lambda c: 1e-6 * c.peak_pressure),
-    ("contacts", "", "most loaded contact of each raceway", s.HERTZ,
-     lambda c: {name: {key: factor * getattr(contact, key.rpartition("_")[0]) for key, factor in STRESSES.items()}
-                for name, contact in c.stressed.items()}),
-    ("pressure_over_permitted", "1", "peak pressure / ISO 76's limit", s.STRESS_LIMITS,
-     lambda c: c.peak_pressure / (hertz.PERMITTED_OF_BALLS if c.balls else hertz.PERMITTED)),
-    ("pressure_over_fatigue", "1", "peak pressure / 1500 MPa (fatigue limit)", s.STRESS_LIMITS,
-     lambda c: c.peak_pressure / hertz.FATIGUE),
-    ("roller_loads_N", "N", "roller loads at the first angle, rigid rings", s.REFERENCE, lambda c: c.rigid.of_rollers),
-    ("operating_clearance_um", "µm", "diametral clearance in operation", s.CLEARANCE,
-     lambda c: sum(part for part in c.clearance_parts.values() if part is not None)),
-    ("operating_clearance_parts_um", "µm", "parts of that clearance", s.CLEARANCE, lambda c: c.clearance_parts),
-    ("fit_pressure_MPa", "MPa", "fit pressure in operation", s.FITS,
-     lambda c: {"shaft": 1e-6 * c.build_up.shaft_pressure, "housing": 1e-6 * c.build_up.housing_pressure}),
-    ("stiffness_N_per_m", "N/m", "stiffness kxx, kxy; kyx, kyy, mean over a pitch", s.LINEARISED,
-     lambda c: c.pitch.mean),
-    ("stiffness_range_N_per_m", "N/m", "stiffness, lowest and highest of each entry", s.LINEARISED,
-     lambda c: c.pitch.range),
-    ("stiffness_harmonics_N_per_m", "N/m", "stiffness, amplitudes at 1, 2 ... times the ball pass frequency",
-     s.LINEARISED, lambda c: c.pitch.harmonics),
-    ("stiffness_contacts", "", "contacts of that stiffness", s.LINEARISED,
-     lambda c: (c.pitch, f"rigid rings on the contact law {c.scene.lagrange.law}" if c.scene.model == "lagrange"
-                else "elastic rings and rollers")[1]),
-    ("stiffness_with_housing_N_per_m", "N/m", "stiffness in series with the housing's springs", s.LINEARISED,
-     lambda c: c.with_housing),
-    ("misalignment_mrad", "mrad", "slope of the shaft, +z end towards the load", s.TILTED,
-     lambda c: 1e3 * c.tilted.slope),
-    ("tilting_moment_N_m", "N m", "moment needed for that misalignment, mean over a pitch", s.TILTED,
-     lambda c: c.tilted.moment),
-    ("hub_stiffness_N_per_m", "N/m", "hub stiffness including springs of housing and shaft", s.LINEARISED,
-     lambda c: c.at_hub()),
-    ("tilt_stiffness_N_m_per_rad", "N m/rad", "stiffness against tilting at constant load, mean over a pitch",
-     s.TILTED, lambda c: c.tilted.tilt_stiffness),
-    ("stiffness_with_tilt", "N/m, N, N m", "stiffness matrix of x, y and slopes in x, y, mean over a pitch", s.TILTED,
-     lambda c: c.tilted.stiffness),
-    ("L10r_by_misalignment_Mrev", "Mrev", "L10r, rigid rings, by misalignment", s.REFERENCE,
-     lambda c: _refuse(PLANE) if c.axial is None else
-     {f"{slope:g} mrad": c.reference_life(c.rigid_at(slope=1e-3 * slope).loads) for slope in SLOPES}),
-    ("damping_N_s_per_m", "N s/m", "damping of the contacts, mean over a pitch", s.LINEARISED,
-     lambda c: _refuse("with [axial] damping is not implemented") if c.axial is not None
-     else c.pitch.damping.mean(axis=0) if c.scene.damping.contacts.acts
-     else _refuse("the scene has no [damping] of contacts")),
-    ("hub_frequencies_Hz", "Hz", "natural frequencies of the hub on its contacts", s.LINEARISED,
-     lambda c: c.frequencies()),
-    ("hub_um", "µm", "hub position x, y at speed, mean over a pitch", s.LINEARISED,
-     lambda c: 1e6 * c.pitch.place.mean(axis=0)),
-    ("film_um", "µm", "minimum film thickness of both raceways", s.FILM, lambda c: 1e6 * c.film),
-    ("lambda", "1", "film thickness / roughness, λ", s.FILM, lambda c: c.film_ratio()),
-    ("friction_torque_N_mm", "N mm", "frictional torque, ±30 %", s.BOTH_FRICTIONS,
-     lambda c: {name: torque.total for name, torque in c.torques.items()}),
-    ("friction_torque_palmgren_N_mm", "N mm", "Palmgren's speed and load parts", s.PALMGREN,
-     lambda c: {"speed": c.torques["palmgren"].rolling, "load": c.torques["palmgren"].sliding}),
-    ("friction_torque_run_N_mm", "N mm", "torque from the run's dissipation (friction and damping of contacts only)",
-     s.OF_RUN, lambda c: 1e3 * c.run.torque),
-    ("dissipated_run_W", "W", "power dissipated in the run", s.OF_RUN, lambda c: c.run.dissipated),
-    ("power_loss_W", "W", "heat, ±30 %", s.BOTH_FRICTIONS, lambda c: c.losses),
-    ("temperature_rise_K", "K", "temperature above the surroundings, first estimate", s.HEAT,
-     lambda c: c.temperature_rises()))  # fmt: skip
+# Blocks of the sheet: name in the JSON file, unit, meaning, source, value. Neighbours of one meaning share a line.
+BLOCKS: dict[str, tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...]] = {
+    "bearing": (
+        ("C_N", "N", "basic dynamic load rating C", s.DYNAMIC, lambda c: c.basic.dynamic),
+        ("C0_N", "N", "basic static load rating C0", s.STATIC, lambda c: c.basic.static),
+        ("Cu_N", "N", "fatigue load limit C_u", s.FATIGUE, lambda c: c.basic.fatigue),
+        ("operating_clearance_um", "µm", "diametral clearance in operation", s.CLEARANCE,
+         lambda c: sum(part for part in c.clearance_parts.values() if part is not None)),
+        ("operating_clearance_parts_um", "µm", "of that", s.CLEARANCE, lambda c: c.clearance_parts),
+        ("fit_pressure_MPa", "MPa", "fit pressure in operation", s.FITS,
+         lambda c: {"shaft": 1e-6 * c.build_up.shaft_pressure, "housing": 1e-6 * c.build_up.housing_pressure})),
+    "loads": (
+        ("P_N", "N", "equivalent dynamic load P{weight}", s.LOAD, lambda c: c.load),
+        ("P0_N", "N", "equivalent static load P0{weight}", s.STATIC, lambda c: c.largest_load),
+        ("s0", "1", "static safety C0/P0", s.STATIC, lambda c: c.basic.static / positive(c.largest_load, "infinite")),
+        ("speed_rpm", "1/min", "relative ring speed", s.LOAD, lambda c: c.rpm),
+        ("roller_loads_N", "N", "roller loads at the first angle, rigid rings", s.REFERENCE,
+         lambda c: c.rigid.of_rollers),
+        ("misalignment_mrad", "mrad", "slope of the shaft, +z to the load", s.TILTED, lambda c: 1e3 * c.tilted.slope),
+        ("tilting_moment_N_m", "N m", "moment that holds that slope", s.TILTED, lambda c: c.tilted.moment)),
+    "lives": (
+        ("L10_Mrev", "Mrev", "basic rating life L10", s.LIFE, lambda c: c.basic_life),
+        ("L10_h", "h", "basic rating life L10", s.LIFE, lambda c: in_hours(c.basic_life, c.rpm)),
+        ("a1", "1", "reliability factor a1", s.RELIABILITY, lambda c: reliability_factor(c.options.reliability)),
+        ("e_C", "1", "contamination factor e_C", s.CONTAMINATION, lambda c: c.contamination),
+        ("a_ISO", "1", "life modification factor a_ISO", s.A_ISO, lambda c: c.a_iso),
+        ("Lnm_h", "h", "modified rating life Lnm", s.A_ISO,
+         lambda c: in_hours(reliability_factor(c.options.reliability) * c.a_iso * c.basic_life, c.rpm)),
+        ("L10r_Mrev", "Mrev", "L10r, rigid rings", s.REFERENCE, lambda c: c.reference_life(c.rigid.loads)),
+        ("L10r_pitch_Mrev", "Mrev", "L10r, rigid rings, over a pitch", s.REFERENCE,
+         lambda c: c.reference_life(np.concatenate(
+             [c.rigid_at(2.0 * pi / c.row.rollers * k / POSITIONS).loads for k in range(POSITIONS)]))),
+        ("L10r_elastic_Mrev", "Mrev", "L10r, elastic rings, over a pitch", s.LOAD_SHARING, lambda c: c.elastic_life()),
+        ("L10r_run_Mrev", "Mrev", "L10r, roller loads of the run", s.OF_RUN,
+         lambda c: c.run.life(c.row, c.axial is not None)),
+        ("L10r_by_misalignment_Mrev", "Mrev", "L10r, rigid rings, by misalignment", s.REFERENCE,
+         lambda c: _not_asked(PLANE) if c.axial is None else
+         {f"{slope:g} mrad": c.reference_life(c.rigid_at(slope=1e-3 * slope).loads) for slope in SLOPES}),
+        ("Lnmr_h", "h", "modified reference rating life Lnmr", s.REFERENCE,
+         lambda c: _not_asked("not implemented: no source for the equivalent load of a lamina"))),
+    "stresses": (
+        ("peak_pressure_MPa", "MPa", "largest Hertz pressure", s.HERTZ, lambda c: 1e-6 * c.peak_pressure),
+        ("pressure_over_permitted", "1", "peak pressure / permitted (ISO 76)", s.STRESS_LIMITS,
+         lambda c: c.peak_pressure / (hertz.PERMITTED_OF_BALLS if c.balls else hertz.PERMITTED)),
+        ("pressure_over_fatigue", "1", "peak pressure / fatigue's 1500 MPa", s.STRESS_LIMITS,
+         lambda c: c.peak_pressure / hertz.FATIGUE),
+        ("contacts", "", "most loaded contact of each raceway", s.HERTZ,
+         lambda c: {name: {key: factor * getattr(contact, key.rpartition("_")[0]) for key, factor in STRESSES.items()}
+                    for name, contact in c.stressed.items()})),
+    "stiffness": (
+        ("stiffness_N_per_m", "N/m", "stiffness in x, y", s.LINEARISED, lambda c: c.pitch.mean),
+        ("stiffness_range_N_per_m", "N/m", "lowest and highest over a pitch", s.LINEARISED, lambda c: c.pitch.range),
+        ("stiffness_harmonics_N_per_m", "N/m", "stiffness, amplitudes at 1, 2 ... times the ball pass frequency",
+         s.LINEARISED, lambda c: c.pitch.harmonics),
+        ("stiffness_contacts", "", "contacts", s.LINEARISED,
+         lambda c: (c.pitch, f"rigid rings on the contact law {c.scene.lagrange.law}" if c.scene.model == "lagrange"
+                    else "elastic rings and rollers")[1]),
+        ("stiffness_with_housing_N_per_m", "N/m", "in series with the housing", s.LINEARISED, lambda c: c.with_housing),
+        ("hub_stiffness_N_per_m", "N/m", "with springs of housing and shaft", s.LINEARISED, lambda c: c.at_hub()),
+        ("tilt_stiffness_N_m_per_rad", "N m/rad", "tilting at constant load", s.TILTED,
+         lambda c: c.tilted.tilt_stiffness),
+        ("stiffness_with_tilt", "N/m, N, N m", "stiffness in x, y, slopes in x, y", s.TILTED,
+         lambda c: c.tilted.stiffness),
+        ("damping_N_s_per_m", "N s/m", "damping in x, y", s.LINEARISED,
+         lambda c: _refuse("with [axial] damping is not implemented") if c.axial is not None
+         else c.pitch.damping.mean(axis=0) if c.scene.damping.contacts.acts
+         else _not_asked("the scene has no [damping] of contacts")),
+        ("hub_frequencies_Hz", "Hz", "natural frequencies of the hub", s.LINEARISED, lambda c: c.frequencies()),
+        ("hub_um", "µm", "hub at x, y", s.LINEARISED, lambda c: 1e6 * c.pitch.place.mean(axis=0))),
+    "friction and film": (
+        ("nu_mm2_s", "mm²/s", "viscosity in operation", s.VISCOSITY, lambda c: c.viscosity),
+        ("nu1_mm2_s", "mm²/s", "reference viscosity ν1", s.VISCOSITY,
+         lambda c: reference_viscosity(c.rpm, c.basic.pitch)),
+        ("kappa", "1", "viscosity ratio κ", s.VISCOSITY, lambda c: c.kappa),
+        ("film_um", "µm", "least film thickness", s.FILM, lambda c: 1e6 * c.film),
+        ("lambda", "1", "film thickness / roughness λ", s.FILM, lambda c: c.film_ratio()),
+        ("friction_torque_N_mm", "N mm", "frictional torque, ±30 %", s.BOTH_FRICTIONS,
+         lambda c: {name: torque.total for name, torque in c.torques.items()}),
+        ("friction_torque_palmgren_N_mm", "N mm", "Palmgren's speed and load parts", s.PALMGREN,
+         lambda c: {"speed": c.torques["palmgren"].rolling, "load": c.torques["palmgren"].sliding}),
+        ("power_loss_W", "W", "heat, ±30 %", s.BOTH_FRICTIONS, lambda c: c.losses),
+        ("temperature_rise_K", "K", "above the surroundings, estimate", s.HEAT, lambda c: c.temperature_rises()),
+        ("friction_torque_run_N_mm", "N mm", "torque by the run's dissipation", s.OF_RUN, lambda c: 1e3 * c.run.torque),
+        ("dissipated_run_W", "W", "power dissipated in the run", s.OF_RUN, lambda c: c.run.dissipated))}  # fmt: skip
+DECLARED = tuple((block, *row) for block, rows in BLOCKS.items() for row in rows)
+BULKY = {  # in the file and on the page only
+    "roller_loads_N", "L10r_by_misalignment_Mrev", "contacts", "stiffness_harmonics_N_per_m",
+    "friction_torque_palmgren_N_mm"}  # fmt: skip
+OPTION_OF = {"a_ISO": "contamination", "Lnm_h": "reliability", "lambda": "roughness", "temperature_rise_K": "width"}
 
 
 class Rating(Mapping[str, Any]):
@@ -437,7 +448,7 @@ class Rating(Mapping[str, Any]):
 
     def __init__(self, case: Case):
         self.case, self.scene = case, case.scene
-        self.answers = {declared[0]: _answer(case, *declared) for declared in DECLARED}
+        self.answers = {declared[1]: _answer(case, *declared) for declared in DECLARED}
         self.warnings = tuple(_warnings(case, {name: answer.value for name, answer in self.answers.items()}))
 
     def __getitem__(self, name: str) -> Any:
@@ -458,7 +469,7 @@ class Rating(Mapping[str, Any]):
         reasons |= {f"operating_clearance_parts_um.{name}": NO_FIT for name, part in parts if part is None}
         sources = {
             name: {"source": f"{by.name}: {by.text}", "second_hand": by.second_hand or None}
-            for name, (*_, by, _) in self.answers.items()
+            for name, by in ((answer.name, answer.source) for answer in self.answers.values())
         }
         values = {name: _plain(value) for name, value in self.items()}
         return values | {"warnings": list(self.warnings), "reasons": reasons, "sources": sources}
@@ -482,18 +493,22 @@ def rating(scene: Scene, options: Options | None = None) -> Rating:
 def values_of(scene: Scene, names: Collection[str]) -> dict[str, float]:
     """Some answers to a scene that are one number each, without computing the others; NaN of what is unavailable."""
     case = Case(scene, Options())
-    found = (_answer(case, *declared) for declared in DECLARED if declared[0] in names)
+    found = (_answer(case, *declared) for declared in DECLARED if declared[1] in names)
     return {answer.name: nan if answer.value is None else float(answer.value) for answer in found}
 
 
-def _answer(case: Case, name: str, unit: str, meaning: str, source: Source, compute: Callable[[Case], Any]) -> Answer:
-    weight = "" if case.options.cycle is not None else ", weight included"  # loads of a file are taken as they stand
-    value, reason = None, ""
+def _answer(
+    case: Case, block: str, name: str, unit: str, meaning: str, source: Source, compute: Callable[[Case], Any]
+) -> Answer:
+    weight = "" if case.options.cycle is not None else ", with weight"  # loads of a file are taken as they stand
+    value, reason, asked = None, "", True
     try:
         value = compute(case)
     except Unavailable as error:
-        reason = str(error)
-    return Answer(name, value, unit, meaning.format(weight=weight), source, reason)
+        reason, option = str(error), OPTION_OF.get(name)
+        given = option is not None and getattr(case.options, option) != Options._field_defaults[option]
+        asked = given or not isinstance(error, NotAsked)
+    return Answer(block, name, value, unit, meaning.format(weight=weight), source, reason, asked)
 
 
 def _warnings(case: Case, values: dict[str, Any]) -> Iterator[str]:

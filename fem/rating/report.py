@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from fem.rating.answers import Answer, Rating
+from fem.rating.answers import BULKY, Answer, Rating
 from lagrange.files.output import load_matplotlib, render_page, write_whole
 from lagrange.messages import Section, shown
 from lagrange.version import VERSION
 
 ON_PAPER = {"N/m": (1e-6, "N/µm"), "1": (1.0, "")}  # units that engineers read
-BULKY = "stiffness_harmonics_N_per_m", "roller_loads_N", "contacts"  # in the file and on the page
 VERDICT = (  # of what there is, the first of one kind: answer, factor, words
     ("C_N", 1e-3, "C = {:.1f} kN"), ("C0_N", 1e-3, "C0 = {:.1f} kN"), ("P_N", 1.0, "P = {:.0f} N"),
     ("L10_h", 1.0, "L10 = {:.0f} h"), ("L10_Mrev", 1.0, "L10 = {:.0f} million revolutions"))  # fmt: skip
@@ -58,6 +57,8 @@ def print_rating(rating: Rating) -> None:
     console = Console(highlight=False)
     table, missing = Table(box=None, pad_edge=False, show_header=False), defaultdict[str, list[str]](list)
     for answer in rating.answers.values():
+        if not answer.asked:
+            continue
         if answer.value is None:
             missing[answer.reason].append(answer.name)
         elif answer.name not in BULKY:

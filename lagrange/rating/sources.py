@@ -10,6 +10,10 @@ class Unavailable(UsageError):
     """A rating that can't be computed; the text is the reason, for people."""
 
 
+class NotAsked(Unavailable):
+    """Of what only an option or a part of the scene that was not given would bring."""
+
+
 class Source(NamedTuple):
     """Of a formula. `second_hand` says how its constants are known where not from the source itself; "" elsewhere."""
 

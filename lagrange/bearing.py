@@ -212,6 +212,18 @@ class BallBearing(Bearing):
         return self.roller.density * 4.0 / 3.0 * pi * self.roller_radius**3
 
 
+class RowLoads(NamedTuple):
+    """Axial load and moment on rows at rest, and the parts and mounting that carry them. SI."""
+
+    arrangement: Literal["back_to_back", "face_to_face"] | None  # of two mirrored rows; None: all rows are alike
+    row_distance: float  # of their middles; 0 without arrangement
+    preload: float  # axial force between them without load
+    flange_height: float | None  # of both rings, of cylindrical rollers
+    axial_load: float  # on the hub, along +z
+    moment: float | None  # on the hub about x, > 0 tilts the +z end towards the load; None: the tilt is held
+    tilt: float  # where it is held, rad, > 0: the +z end towards the load
+
+
 @dataclass(frozen=True, kw_only=True)
 class Operation:
     """How the bearing is run. The load acts on the centre of the inner ring."""

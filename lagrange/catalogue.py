@@ -12,6 +12,7 @@ Estimates, because makers do not publish them:
 * rollers' effective length that ISO 76 needs for C0 with that many: C0 = 44 (1 − D/d_m) Z L D, N and mm;
 * balls: the diameter that ISO 76 needs for C0, in 1/32 inch, below 7 mm in 1/64, and the number with which ISO 281
   then comes nearest to C; on the maker's pitch circle where it is known, else one of (d + D)/2;
+* flanges of both rings, of NJ, NUP, NJG and NCF: 0.2 of a roller's diameter high;
 * raceways without clearance; the clearance is put on the outer one;
 * inner ring and shaft: steel, the ring of the bearing's width, a shaft of its bore three widths long.
 """
@@ -51,6 +52,7 @@ _FEWEST_BALLS, _MOST_BALLS = 5, 20
 _ASSEMBLED = 215.0  # °, of the arc that balls of a deep-groove bearing may fill: they are put in between the rings
 _PITCHES = {"6203": 28.50, "6205": 39.04}  # mm, SKF's, by Case Western Reserve University's Bearing Data Center
 _PITCH_OFF = 0.015  # of (d + D)/2, by which others may be off: that of 6205 is 38.5 mm
+_FLANGE = 0.2  # of a roller's diameter, height of flanges
 _STEEL = 7.85e-6  # kg/mm³
 SHAFT_WIDTHS = 3.0  # of the ring, length of its shaft
 # a maker's letters behind the number: design, cage, seals, clearance, tolerance
@@ -252,6 +254,8 @@ def bearing_keys(name: str, group: str = "CN") -> dict[str, float | int | str]:
         "rollers": found.number, "roller_diameter_mm": found.diameter, "roller_length_mm": found.length,
         "inner_raceway_diameter_mm": round(found.inner, 9), "clearance_um": 0.5 * sum(map(int, clearance)),
         "bore_diameter_mm": entry.bore, "outside_diameter_mm": entry.outside}
+    if name.startswith(("NJ", "NUP", "NCF")):
+        sizes["flange_height_mm"] = round(_FLANGE * found.diameter, 3)
     return {"type": "ball", **sizes} if has_balls(name) else sizes
 
 

@@ -16,6 +16,7 @@ from lagrange.columns import per_roller
 from lagrange.equations import Overlaps, approaches, farthest_place
 from lagrange.errors import InputError
 from lagrange.motion import Tilts
+from lagrange.scene.checks import check_motion
 from lagrange.scene.scene import Scene
 from lagrange.surface.deviation import Turns
 
@@ -285,8 +286,9 @@ def checked(record: Record) -> Record:
     """Return the record unchanged if it makes sense.
 
     InputError: shapes disagree, values are not finite, time is unsorted or irregular, the number of rollers is not the
-    scene's, rollers are nowhere near the pitch circle, or there are too few samples.
+    scene's, rollers are nowhere near the pitch circle, or there are too few samples. SceneError: of `check_motion`.
     """
+    check_motion(record.scene)
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused
         for fault in _faults(record):
             raise InputError(f"{record.source}: {fault}")

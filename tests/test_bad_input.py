@@ -71,7 +71,16 @@ BAD_SCENES = {
     "half a key's words": scene("[damping]\ncontact = 3.0", "damping.contact & did you mean contact_N_s_m?"),
     "one word of a key": scene('[fit]\nshaft = "k5"', "fit.shaft: unknown key; did you mean shaft_interference_um?"),
     "key that stands elsewhere": scene("[bearing]\ncrown_um = 1", "did you mean axial.crown_um?"),
-    "axial load": scene("[operation]\naxial_load_N = 1", "axial_load_N: not supported: axial loads; see docs/"),
+    "axial load without flanges": scene("operation.axial_load_N = 1", "axial_load_N = 1: the bearing has no flanges"),
+    "axial load in motion": setting(
+        "bearing.designation=NUP206", "operation.axial_load_N=500",
+        say="operation.axial_load_N = 500: at rest and in ratings only (rate-bearing); motion keeps its plane"),
+    "motion of a mirrored pair": setting(
+        "model=lagrange", "bearing={{type='ball', rows=2, pitch_diameter_mm=46, contact_angle_deg=25, "
+        "row_distance_mm=20, arrangement='face_to_face'}}",
+        say='bearing.arrangement = "face_to_face": at rest and in ratings only'),
+    "slope of a ball bearing in motion": setting(
+        "bearing.designation='6205'", "operation.misalignment_mrad=1", say="misalignment_mrad = 1: at rest and in"),
     "hollow rollers": scene("[bearing]\nroller_bore_diameter_mm = 5", "not supported: hollow rollers; see docs/"),
     "temperature": scene("[operation]\ntemperature = 1", "not supported: temperature"),
     "settings of another program": scene("\n".join(f"key_{i} = {i}" for i in range(500)), "key_0 & and 485 more"),

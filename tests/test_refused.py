@@ -4,7 +4,8 @@ import pytest
 
 from fem.solver.simulate import make_plan
 from lagrange.errors import UsageError
-from lagrange.scene.scene import read_scene
+from lagrange.scene.checks import check_motion
+from lagrange.scene.scene import parse_scene_text, read_scene
 from tests.reference.kit import assert_refused
 
 TAPERED = ("bearing={rollers=16, rows=2, roller_diameter_mm=8.4074, roller_length_mm=10, pitch_diameter_mm=71.501, "
@@ -122,6 +123,16 @@ BY_SUBJECT = {  # settings of all rows, None: rows have a scene's text; settings
         ((NEEDLES, "model=reduced", "fit.shaft_interference_um=5"), "bore_diameter_mm = 0"),
         ((NEEDLES, "contact.model=penalty"), "held at its bore"),
     ]),
+    "axial loads and pairs": (("bearing.rows=2", "bearing.contact_angle_deg=15"), [
+        (("bearing.designation=NU206", "bearing.rows=1", "bearing.contact_angle_deg=0", "operation.axial_load_N=500"),
+         "operation.axial_load_N = 500: NU206 has no flanges on both rings", "NJ or NUP, or bearing.flange_height_mm"),
+        (("bearing.contact_angle_deg=0", "bearing.flange_height_mm=2"), "flange_height_mm = 2: of one row"),
+        (("operation.moment_N_m=1", "operation.misalignment_mrad=0"), "misalignment_mrad = 0: the tilt follows from"),
+        (("bearing.rows=1", "bearing.arrangement=back_to_back"), 'arrangement = "back_to_back"', "not with rows = 1"),
+        ("bearing.arrangement=back_to_back", "needs the distance of its rows, e.g. row_distance_mm = 15"),
+        ("bearing.preload_N=1", "give arrangement too"),
+        ("bearing.static_load_rating_N=0", "static_load_rating_N = 0: must be greater than 0"),
+    ]),
     "tilt on meshes": (("axial.slices=11",), [
         ("contact.model=penalty", 'only with contact.model = "subgrid"'),
         ("bodies.rollers=rigid", "whose slices are those of elastic bodies"),
@@ -139,6 +150,17 @@ def test_scenes_that_make_no_sense_are_refused_by_name(subject):
     for given, *words in rows:
         own = [given] if isinstance(given, str) else given
         assert_refused(given if common is None else [*common, *own], *words)
+
+
+def test_a_scene_with_an_axial_load_is_read_back_in_si():
+    keys = ("bearing={rows=2, contact_angle_deg=15, arrangement='face_to_face', row_distance_mm=20, preload_N=100}",
+            "operation={axial_load_N=-500, misalignment_mrad=1}", "model=lagrange")  # fmt: skip
+    scene = read_scene(None, keys)
+    assert scene.row_loads() == ("face_to_face", 0.02, 100.0, None, -500.0, None, 0.001)
+    assert parse_scene_text(scene.to_toml(), "again") == scene
+    check_motion(read_scene(None, ("operation={axial_load_N=0, moment_N_m=0}",)))  # 0 is no load
+    bearings = [read_scene(None, (f"bearing.designation={name}",)).bearing for name in ("NU206", "NJ206")]
+    assert [each.flange_height_mm for each in bearings] == [None, pytest.approx(0.2 * 9.0)]
 
 
 @pytest.mark.parametrize(("settings", "told"), [

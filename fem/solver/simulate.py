@@ -24,6 +24,9 @@ def make_plan(scene: "Scene") -> "Plan":
 
     UsageError: the solver can't take it, or a program it needs is missing, gmsh for instance.
     """
+    from lagrange.scene.checks import check_motion
+
+    check_motion(scene)
     try:
         return import_module(SOLVERS[scene.model]).make_plan(scene)
     except RunFailed:

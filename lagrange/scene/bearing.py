@@ -39,6 +39,7 @@ STEEL_DENSITY = 7850.0
 Modulus = Annotated[float, Field(ge=0.1, le=2000.0)]
 PoissonRatio = Annotated[float, Field(ge=0.0, le=0.45)]
 Density = Annotated[float, Field(ge=100.0, le=30_000.0)]
+Rated = Annotated[float, Field(gt=0.0, le=1e9)]
 Conformity = Annotated[float, Field(gt=0.5, le=1.0)]
 Temperature = Annotated[float, Field(ge=-200.0, le=500.0)]
 Expansion = Annotated[float, Field(ge=0.0, le=1e-4)]
@@ -87,6 +88,15 @@ class BearingTable(Table):
         "default 0.52")
     outer_conformity: Conformity | None = key(None, "balls: radius of the outer groove over the diameter of the ball; "
         "default 0.53")
+    dynamic_load_rating_N: Rated | None = key(None, "the catalogue's C, in place of ISO 281's")
+    static_load_rating_N: Rated | None = key(None, "the catalogue's C0, in place of ISO 76's")
+    fatigue_load_limit_N: Rated | None = key(None, "the catalogue's C_u, in place of ISO 281's")
+    arrangement: Literal["back_to_back", "face_to_face"] | None = key(None, "two rows with mirrored contact angles, in "
+        "ratings only; default: all rows alike")
+    row_distance_mm: Diameter | None = key(None, "distance of the middles of two mirrored rows; required with them")
+    preload_N: float | None = key(None, "axial force between two mirrored rows without load; default 0", 0.0, 1e7)
+    flange_height_mm: float | None = key(None, "height of the flanges of both rings, by which cylindrical rollers "
+        "carry axial loads; default: NJ, NUP 0.2 roller diameters (estimate), others none", most=500.0, gt=0.0)
 
     @classmethod
     def values(cls, data: dict[str, Any], *keys: str) -> list[Any]:
@@ -103,7 +113,9 @@ class BearingTable(Table):
         data, outer = {name: value for name, value in data.items() if value is not None}, "outer_raceway_diameter_mm"
         outer_given = outer in data
         if (found := listed(data.get("designation"))) is not None:
-            instead_of = {"clearance_um": outer_given, "inner_raceway_diameter_mm": "pitch_diameter_mm" in data}
+            plain = data.get("rows", 1) == 1 and not data.get("contact_angle_deg")
+            instead_of = {"clearance_um": outer_given, "inner_raceway_diameter_mm": "pitch_diameter_mm" in data,
+                "flange_height_mm": not plain}
             data = {name: value for name, value in bearing_keys(*found).items() if not instead_of.get(name)} | data
         if data.get("type") == "ball":
             data = USUAL_GROOVES | data
@@ -169,6 +181,15 @@ class BearingTable(Table):
         (lambda t: t.present < FEWEST_ROLLERS, "missing_rollers = {t.missing_rollers}: leaves {t.present} rollers; at "
             f"least {FEWEST_ROLLERS} must be left"),
         only("inner_conformity outer_conformity", "type", "ball"),
+        (lambda t: t.arrangement and (t.rows != 2 or t.contact_angle_deg == 0.0), 'arrangement = "{t.arrangement}": '
+            "two rows are mirrored by their contact angle; not with rows = {t.rows} and contact_angle_deg = "
+            "{t.contact_angle_deg:g}; give rows = 2 and an angle, or leave it out"),
+        (lambda t: t.arrangement and t.row_distance_mm is None and 1.5 * t.roller_length_mm, 'arrangement = '
+            '"{t.arrangement}": needs the distance of its rows, e.g. row_distance_mm = {0:g}'),
+        only("row_distance_mm preload_N", "arrangement"),
+        (lambda t: t.flange_height_mm and (t.type == "ball" or t.contact_angle_deg or t.rows > 1), "flange_height_mm = "
+            "{t.flange_height_mm:g}: of one row of cylindrical rollers, without balls and contact_angle_deg; leave it "
+            "out"),
         (lambda t: t.bore_diameter_mm >= t.inner_raceway_diameter_mm, "bore_diameter_mm = {t.bore_diameter_mm} must be "
             "below inner_raceway_diameter_mm = {t.inner_raceway_diameter_mm}"),
         (lambda t: t.outside_diameter_mm <= t.outer_raceway_diameter_mm, "outside_diameter_mm = "

@@ -16,7 +16,7 @@ from lagrange.contact.laws import OWN, law_names
 from lagrange.errors import exceeds
 from lagrange.load_history import TIME
 from lagrange.scene import bearing as bearings
-from lagrange.scene.faults import Rule, Table
+from lagrange.scene.faults import Rule, SceneError, Table
 from lagrange.scene.run import OF_CONTACTS
 from lagrange.scene.surfaces import SURFACES
 from lagrange.surface.faults import Spall, own_radius, thickness
@@ -261,6 +261,7 @@ IN_HOUSING = " or ".join(f"fit.{name}" for name in bearings.FitTable.model_field
 OF_ROLLERS = " or ".join(f"{name}.body=roller" for name in SURFACES if name != "unequal_roller")
 NOT_ROUND = " or ".join((*SURFACES, "lubricant"))
 ANGLE, SOLID, MISSING = "bearing.contact_angle_deg", "bearing.bore_diameter_mm=0", "bearing.missing_rollers"
+CYLINDERS = f"bearing.type=roller and not {ANGLE}"
 BALLS, GUIDE, PART = "bearing.type=ball", "cage.guidance=outer_ring", "spall.length_mm"
 EITHER = "; leave one of them out"
 SUBGRID = '{0}: only with contact.model = "subgrid", not with "{t.contact.model}"'
@@ -270,7 +271,11 @@ RADIAL = f"{{0}}: only for rings whose contacts are radial, not with bearing.con
 REFUSED: tuple[tuple[Condition, Condition, str], ...] = (
     (GUIDE, _bore, "{0}: not with {1}, in which that ring moves; choose another guidance"),
     (GUIDE, _turns, "{0}: not with {1}, of a guide that turns; choose another guidance"),
-    ("operation.misalignment_mrad", "not axial", "{0}: needs an [axial] table (an empty one is enough)"),
+    ("operation.misalignment_mrad", f"not axial and {CYLINDERS}", "{0}: needs an [axial] table (an empty one is "
+        "enough)"),
+    ("operation.axial_load_N", lambda s: _has(s, f"not bearing.flange_height_mm and {CYLINDERS}") and (
+        s.bearing.designation or "the bearing"), "{0}: {1} has no flanges on both rings and carries none: give an NJ "
+        "or NUP, or bearing.flange_height_mm"),
     ("lubricant", SPEED, f"{{0}}: only at a steady speed, not with {{1}}: its film is as thick as at "
         f"one speed{EITHER}"),
     ("output.fields_every_ms", f"not {MESH}", "{0}: model = '{t.model}' has no mesh and no fields; leave it out or 0"),
@@ -311,6 +316,18 @@ REFUSED: tuple[tuple[Condition, Condition, str], ...] = (
         f"whatever turns with the outer ring holds it all around{EITHER}"),
     (_turns, "fit", f"{{0}}: not with [fit], whose housing stands still; give the operating clearance{EITHER}"),
     (NOT_ROUND, OTHER_ON_MESHES, f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"))
+
+
+AT_REST = "operation.axial_load_N or operation.moment_N_m or bearing.arrangement", (
+    "operation.misalignment_mrad and not axial")
+
+
+def check_motion(scene: Any) -> None:
+    """SceneError: of a scene with what models in motion lack."""
+    for what in AT_REST:
+        if (given := _has(scene, what)) is not None:
+            raise SceneError(f"{given}: at rest and in ratings only (rate-bearing); motion keeps its plane: leave it "
+                "out")
 
 
 COMBINATIONS: tuple[Rule, ...] = (

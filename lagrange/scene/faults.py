@@ -34,9 +34,8 @@ MOST_PARTS = 50  # of a dotted key; the memory to read one grows by their square
 _PART = r"""(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+"""
 _DOTTED = re.compile(rf"(?:{_PART}\.[ \t]*+)++")
 ABSENT = {  # what engineers ask for and the program lacks, by words of a key
-    "axial loads": ("axial", "thrust"),
     "temperatures computed from heat ([fit] has given ones)": ("temperature", "thermal", "heat"),
-    "applied moments": ("moment",), "grease": ("grease",),
+    "grease": ("grease",),
     "keys of life and ratings (rate-bearing computes them)": ("life", "l10", "rating", "ratings", "c0"),
     "shapes of cage pockets": ("pocket", "pocket_shape"), "hollow rollers": ("hollow", "roller_bore")}
 # keys of earlier versions: what they were by default, which scenes in their result files spell out, and what to do

@@ -51,8 +51,13 @@ class OperationTable(Table):
         "if the ring is heavier: a steel ring and shaft of the given sizes", most=1e6, gt=0.0)
     gravity_m_s2: float = key(9.81, "gravity, along −y", 0.0, 1000.0)
     first_roller_deg: Angle = key(0.0, "angle of roller 0 from the load (−y), counter-clockwise")
+    axial_load_N: float | None = key(None, "axial load on the hub, along +z; at rest and in ratings only; default 0",
+        -HEAVIEST, HEAVIEST)
+    moment_N_m: float | None = key(None, "tilting moment on the hub about x; positive: tilts the +z end towards the "
+        "load; in ratings only; default: the tilt is held at misalignment_mrad", -1e6, 1e6)
     misalignment_mrad: float | None = key(None, "slope of the shaft in the plane of the load; positive: its +z end "
-        "leans towards the load; default 0; with [axial]", -50.0, 50.0)
+        "leans towards the load; default 0; with [axial], or in ratings of balls and of rows with a contact angle",
+        -50.0, 50.0)
     unbalance_g_mm: Coefficient | None = key(None, "unbalance of the parts that turn with the inner ring; their mass "
         "includes it")
     unbalance_deg: Angle | None = key(None, "angle of the heavy side at t = 0, from −y, counter-clockwise")
@@ -106,6 +111,8 @@ class OperationTable(Table):
                 yield f'{speed} = {given:g}: {name} = "{file}" starts at {first:g}; leave {speed} out'
 
     RULES = (
+        (lambda t: None not in (t.moment_N_m, t.misalignment_mrad), "misalignment_mrad = {t.misalignment_mrad:g}: the "
+            "tilt follows from moment_N_m = {t.moment_N_m:g}; leave out one of them"),
         only("unbalance_deg", "unbalance_g_mm"), only("rotating_load_deg rotating_load_with", "rotating_load_N"),
         (lambda t: t.shaft == "springs" and t.shaft_stiffness_N_per_m is None, 'shaft = "springs" needs '
             'shaft_stiffness_N_per_m, e.g. 1e7'),

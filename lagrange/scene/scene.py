@@ -12,7 +12,7 @@ import tomli_w
 from pydantic import PrivateAttr
 
 from lagrange.axial.slices import Axial
-from lagrange.bearing import BallBearing, Bearing, Cage, Operation, section_mounting, section_operation
+from lagrange.bearing import BallBearing, Bearing, Cage, Operation, RowLoads, section_mounting, section_operation
 from lagrange.catalogue import bearing_keys, inner_ring_and_shaft, listed
 from lagrange.files.input import LARGEST_FILE, digest, plain_text
 from lagrange.fits import OperatingClearance, growths, in_operation, operating_clearance
@@ -276,6 +276,12 @@ class Scene(Table):
         """The operating point in SI, of the bearing's section."""
         operation = replace(self.operation.ideal(), mounting=self._mounting())
         return section_operation(self.perfect_bearing(), operation)
+
+    def row_loads(self) -> RowLoads:
+        """Axial load, moment and tilt of the rows at rest, in SI."""
+        b, operation = self.bearing.si(), self.operation
+        return RowLoads(b["arrangement"], b["row_distance"] or 0.0, b["preload"] or 0.0, b["flange_height"],
+            operation.axial_load_N or 0.0, operation.moment_N_m, 1e-3 * (operation.misalignment_mrad or 0.0))
 
     def mounting(self) -> Mounting:
         """What the bearing's section stands in, in SI."""

@@ -1,0 +1,191 @@
+"""Rows under axial load and tilting moment: reference values, energy, limits, random load cases."""
+
+from dataclasses import replace
+from math import acos, cos, pi, radians, sin, tan
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from lagrange import Material, contact_laws
+from lagrange.bearing import BallBearing, Bearing, Operation, RowLoads
+from lagrange.rating.axial_load import at_rest, rows_of
+from lagrange.rating.reference_life import rigid_loads
+from lagrange.rating.life import Dimensions
+from lagrange.rating.sources import Unavailable
+from lagrange.statics import static_equilibrium
+
+STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
+GIVEN = RowLoads(None, 0.0, 0.0, None, 0.0, None, 0.0)
+
+
+def bearing(elements, diameter, pitch, clearance=0.0, degrees=0.0, length=None, rows=1, grooves=(0.52, 0.53)):
+    """Balls without a length; mm, diametral clearance."""
+    across = cos(radians(degrees))
+    inner, outer = (0.5e-3 * (pitch + sign * (diameter + 0.5 * clearance) * across) for sign in (-1, 1))
+    same = {"n_rollers": elements, "roller_radius": 0.5e-3 * diameter * across, "inner_raceway_radius": inner,
+        "roller_length": 1e-3 * (length or diameter), "outer_raceway_radius": outer, "bore_radius": 0.7 * inner,
+        "outside_radius": 1.2 * outer, "roller": STEEL, "inner_ring": STEEL, "outer_ring": STEEL,
+        "contact_angle": radians(degrees), "rows": rows}  # fmt: skip
+    if length:
+        return Bearing(**same)
+    inner, outer = (1e-3 * groove * diameter for groove in grooves)
+    return BallBearing(**same, inner_groove_radius=inner, outer_groove_radius=outer)
+
+
+def solve(of, radial=0.0, axial=0.0, moment=None, side=0.0, **given):
+    """Loads in N, N mm."""
+    operation = Operation(speed=0.0, radial_load=radial, side_load=side, inner_mass=0.0, gravity=0.0,
+        first_roller_angle=-0.5 * pi)  # fmt: skip
+    moment = None if moment is None else 1e-3 * moment
+    laws = contact_laws("hertz" if isinstance(of, BallBearing) else "iso16281", of)
+    return at_rest(of, operation, replace(GIVEN, axial_load=axial, moment=moment, **given), laws)
+
+
+def small(clearance):
+    return bearing(7, 11.5, 43.5, clearance)
+
+
+DEEP, STEEP, TAPERED = bearing(9, 11.906, 60, 0.02), bearing(14, 12.7, 70, 0.0, 40), bearing(17, 13, 83, 0.0, 14, 22)
+MIRRORED = {"arrangement": "back_to_back", "row_distance": 0.024}
+
+
+@pytest.mark.parametrize(
+    ("clearance", "radial", "axial", "moment", "expected"),
+    [(0.0, 1000, 0, 0, (15.110, None, None)), (0.0, 0, 1000, 0, (None, 133.54, None)),
+     (0.0, 0, 0, 1000, (None, None, 3.696)), (0.01, 1000, 0, 0, (21.223, None, None)),
+     (0.01, 0, 1000, 0, (None, 149.17, None)), (0.01, 1000, 1000, 0, (19.592, 146.46, 2.687))],
+)  # fmt: skip
+def test_rows_free_to_tilt_agree_with_a_commercial_program(clearance, radial, axial, moment, expected):
+    """MESYS' published example of ISO/TS 16281; its moment has half the pitch diameter where ours has R_i: 2.5 %."""
+    hub = solve(small(clearance), radial, axial, moment).hub
+    for found, value, within in zip((-1e3 * hub[1], 1e3 * hub[2], 1e3 * hub[3]), expected, (2e-3, 2e-3, 0.025), strict=True):
+        assert value is None or found == pytest.approx(value, rel=within)
+
+
+@pytest.mark.parametrize(
+    ("of", "radial", "axial", "displaced", "largest", "least", "angles", "moment"),
+    [(DEEP, 2000, 1000, (9.218, 48.72 + 108.66), 938.9, 40.6, (14.83, 15.27), 15_883),
+     (DEEP, 500, 2000, (1.826, 71.27 + 108.66), 874.0, 648.6, (17.04, 17.14), 4517),
+     (STEEP, 0, 5000, (0.0, 20.44), 540.2, 540.2, (41.384, 41.384), 0),
+     (STEEP, 3000, 5000, (13.056, 19.04), 1166.8, 47.9, (40.54, 42.07), 89_743),
+     (TAPERED, 20_000, 8000, (9.891, 35.77), 4679, 0, (14, 14), 206_942),
+     (TAPERED, 5000, 8000, (2.162, 40.78), 2564.9, 1362.8, (14, 14), 51_736),
+     (TAPERED, 0, 8000, (0.0, 40.96), 1945.2, 1945.2, (14, 14), 0)],
+)  # fmt: skip
+def test_rows_held_from_tilting_agree_with_another_calculation(
+    of, radial, axial, displaced, largest, least, angles, moment
+):
+    """ISO/TS 16281 in another program: approaches of all elements by scipy's fsolve, moment with half the pitch."""
+    found = solve(of, radial, axial)
+    row = found.rows[0]
+    assert (-1e3 * found.hub[1], 1e3 * found.hub[2]) == pytest.approx(displaced, rel=2e-3, abs=1e-6)
+    assert (row.loads.max(), row.loads.min()) == pytest.approx((largest, least), rel=2e-3, abs=0.2)
+    loaded = np.degrees(row.angle[row.loads > 0.0])
+    assert (loaded.min(), loaded.max()) == pytest.approx(angles, rel=2e-3)
+    half = of.pitch_radius * 1e3 * row.loads @ (np.sin(row.angle) * np.cos(2 * pi * np.arange(of.n_rollers) / of.n_rollers))
+    assert half == pytest.approx(moment, rel=3e-3, abs=1e-3)
+
+
+CASES = [(DEEP, {}), (STEEP, {}), (TAPERED, {}), (bearing(13, 10, 46, 0.02, length=10), {"flange_height": 2e-3}),
+    (bearing(14, 12.7, 70, 0.0, 40, rows=2), MIRRORED | {"preload": 500.0}),
+    (bearing(17, 13, 83, 0.01, 14, 22, rows=2), MIRRORED | {"arrangement": "face_to_face"})]  # fmt: skip
+NAMES = "deep groove", "angular contact", "tapered", "flanged", "balls back to back", "rollers face to face"
+
+
+@pytest.mark.parametrize(("of", "given"), CASES, ids=NAMES)
+def test_loads_are_the_gradient_of_the_energy_and_stiffness_that_of_loads(of, given):
+    rows = rows_of(of, replace(GIVEN, axial_load=1.0, **given), contact_laws("hertz" if isinstance(of, BallBearing) else "iso16281", of),
+        np.arange(of.n_rollers) * 2 * pi / of.n_rollers)  # fmt: skip
+    hub = np.array([4e-3, -0.02, 0.05, 4e-4, -3e-4])
+    steps = 1e-6 * np.diag([1.0, 1.0, 1.0, 0.03, 0.03])
+    for row in rows:
+        here, ahead, behind = row.at(hub), [row.at(hub + step) for step in steps], [row.at(hub - step) for step in steps]
+        energy = [(a.energy - b.energy) / (2 * step.max()) for a, b, step in zip(ahead, behind, steps, strict=True)]
+        forces = [(a.force - b.force) / (2 * step.max()) for a, b, step in zip(ahead, behind, steps, strict=True)]
+        assert here.energy > 0.0
+        assert here.force == pytest.approx(energy, rel=1e-6, abs=1e-6 * np.abs(here.force).max())
+        assert here.stiffness == pytest.approx(np.array(forces), rel=1e-6, abs=1e-6 * np.abs(here.stiffness).max())
+        assert np.array_equal(here.stiffness, here.stiffness.T) or here.stiffness == pytest.approx(here.stiffness.T)
+
+
+@pytest.mark.parametrize("axial", [0.0, 1e-3])
+def test_without_axial_load_balls_are_in_the_plane_equilibrium(axial):
+    plane = static_equilibrium(DEEP, Operation(speed=0.0, radial_load=2000.0, inner_mass=0.0, gravity=0.0,
+        first_roller_angle=-0.5 * pi), contact_laws("hertz", DEEP))  # fmt: skip
+    found = solve(DEEP, 2000.0, axial)
+    assert 1e-3 * found.hub[1] == pytest.approx(plane.hub[1], rel=1e-4)
+    assert found.rows[0].loads == pytest.approx(plane.inner_force, rel=1e-4, abs=1e-4)
+    assert 1e3 * found.stiffness[1, 1] == pytest.approx(plane.stiffness[1, 1], rel=1e-4)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 1e-3])
+def test_rollers_at_no_contact_angle_carry_the_standard_s_load_distribution(degrees):
+    of = bearing(13, 10, 46, 0.02, degrees, length=10)
+    distribution = rigid_loads(Dimensions.of(of), 5000.0, 0.02, 1e-3)
+    found = solve(of, 5000.0, tilt=1e-3)
+    assert found.rows[0].inner == pytest.approx(distribution.loads[:, ::-1], rel=1e-4, abs=0.05)
+    assert abs(found.force[3]) == pytest.approx(abs(distribution.moment), rel=1e-4)
+
+
+@pytest.mark.parametrize("degrees", [15.0, 25.0, 40.0])
+def test_centred_thrust_agrees_with_harris_closed_form(degrees):
+    """F_a/(Z K A^1.5) = sin α (cos α°/cos α − 1)^1.5, Harris (4th ed. 2001), (7.33)."""
+    of, thrust, angle = bearing(14, 12.7, 70, 0.0, degrees), 5000.0, radians(degrees)
+    found = solve(of, 0.0, thrust)
+    (row,) = rows_of(of, GIVEN, contact_laws("hertz", of), np.zeros(1))
+    closed = brentq(
+        lambda a: 14 * row.law.stiffness * row.span**1.5 * sin(a) * (cos(angle) / cos(a) - 1.0) ** 1.5 - thrust, angle, 1.5
+    )
+    assert found.rows[0].angle == pytest.approx(closed, rel=1e-3)
+    assert found.rows[0].loads == pytest.approx(thrust / (14 * sin(closed)), rel=1e-3)
+
+
+def test_flanges_tilt_rollers_until_raceways_bear_the_couple():
+    """The hub's axial load times the arm is what the raceways' pressures turn rollers with: moments about them."""
+    of, height = bearing(13, 10, 46, 0.02, length=10), 2e-3
+    found = solve(of, 5000.0, 1000.0, flange_height=height)
+    row, x = found.rows[0], (np.arange(40) - 19.5) * 10 / 40
+    assert found.force[:3] == pytest.approx([0.0, -5000.0, 1000.0], abs=1e-6)
+    couples = row.outer @ x - row.inner @ x
+    assert couples.sum() == pytest.approx(1000.0 * (10.0 - 2.0), rel=1e-9)
+    assert row.inner.sum(axis=1) == pytest.approx(row.outer.sum(axis=1), abs=1e-6)
+    assert row.loads @ np.cos(2 * pi * np.arange(13) / 13) == pytest.approx(5000.0)
+    assert row.inner.max() > 1.05 * solve(of, 5000.0).rows[0].inner.max()
+
+
+def test_preload_and_stiffness_of_a_pair_are_those_of_two_rows_by_hand():
+    """Back to back the lines of contact spread: it holds a tilt better by (distance of pressure centres)²."""
+    pair = replace(STEEP, rows=2)
+    spread = {}
+    for arrangement in ("back_to_back", "face_to_face"):
+        found = solve(pair, arrangement=arrangement, row_distance=0.024, preload=500.0)
+        thrusts = [row.loads @ np.sin(row.angle) for row in found.rows]
+        assert thrusts == pytest.approx([500.0, -500.0], rel=1e-6)
+        spread[arrangement] = found.stiffness[3, 3]
+    alone = solve(STEEP, 0.0, 500.0)
+    assert found.stiffness[2, 2] == pytest.approx(2.0 * alone.stiffness[2, 2], rel=1e-6)
+    assert found.stiffness[1, 1] == pytest.approx(2.0 * alone.stiffness[1, 1], rel=1e-6)
+    reach = 35.0 * tan(acos(cos(alone.rows[0].angle[0])))
+    expected = ((12.0 + reach) / (12.0 - reach)) ** 2
+    assert spread["back_to_back"] > 0.3 * expected * spread["face_to_face"] > spread["face_to_face"]
+
+
+def test_a_row_that_slides_open_names_the_least_axial_load():
+    with pytest.raises(Unavailable, match=r"at 14° a radial load of 40000 N needs an axial load of 9973 N at least"):
+        solve(TAPERED, 40_000.0, 8000.0)
+
+
+def test_random_load_cases_of_all_kinds_have_one_equilibrium():
+    """From the middle and from a random start; the least thrust of a row alone is F_r tan α over the row's own."""
+    draw = np.random.default_rng(53)
+    for case in range(500):
+        of, given = CASES[case % len(CASES)]
+        radial, side, axial = draw.uniform(0.0, 8000.0), draw.uniform(-2000.0, 2000.0), draw.uniform(-4000.0, 4000.0)
+        if of.contact_angle and of.rows == 1:
+            axial = np.copysign(1.3 * np.hypot(radial, side) * tan(of.contact_angle) + abs(axial), axial)
+        moment = draw.uniform(-3e4, 3e4) if case % 3 == 0 and (of.rows == 2 or not of.contact_angle) else None
+        found = solve(of, radial, axial, moment, side, **given)
+        held = [side, -radial, axial, moment or 0.0]
+        free = 4 if moment is not None else 3
+        assert found.force[:free] == pytest.approx(held[:free], abs=1e-5), case

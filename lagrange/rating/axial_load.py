@@ -19,7 +19,7 @@ Source: ISO/TS 16281:2008; Harris, Rolling Bearing Analysis (4th ed. 2001), chap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import cos, sin, tan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -191,7 +191,7 @@ class Balance(NamedTuple):
 
 
 def balanced(rows: Sequence[Row], load: ndarray, free: Sequence[bool], start: ndarray) -> Balance:
-    """The hub under a load, (5,), N and N mm, where it is free, (5,); elsewhere it stays at the start, (5,), mm and rad.
+    """The hub under a load, (5,), N and N mm, where it is free, (5,); elsewhere it stays at the start, (5,).
 
     Newton's method on a convex energy, with short steps where nothing bears. Unavailable: the hub runs away.
     """
@@ -231,7 +231,7 @@ def rows_of(
     laws : of balls; rollers have the standard's, with `drop` as `laminae_of` takes it
     """
     diameter, height = 2e3 * bearing.element_radius, 1e3 * (given.flange_height or 0.0)
-    same = {"place": place, "diameter": diameter, "pitch": 1e3 * bearing.pitch_radius, "angle": bearing.contact_angle,
+    same: dict[str, Any] = {"place": place, "diameter": diameter, "pitch": 1e3 * bearing.pitch_radius, "angle": bearing.contact_angle,
         "gap": 1e3 * bearing.radial_clearance, "side": -1 if given.axial_load < 0.0 else 1}  # fmt: skip
     row: Row
     if isinstance(bearing, BallBearing):
@@ -277,6 +277,6 @@ def at_rest(
             raise
     raise Unavailable(
         f"the row slides open along the axis: at {bearing.contact_angle_deg:.4g}° a radial load of "
-        f"{np.hypot(side, radial):.4g} N needs an axial load of {np.hypot(side, radial) * tan(angle):.4g} N at least; "
+        f"{np.hypot(side, radial):.0f} N needs an axial load of {np.hypot(side, radial) * tan(angle):.0f} N at least; "
         "raise operation.axial_load_N, or give bearing.arrangement with rows = 2"
     )

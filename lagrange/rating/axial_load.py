@@ -231,13 +231,17 @@ def rows_of(
     laws : of balls; rollers have the standard's, with `drop` as `laminae_of` takes it
     """
     diameter, height = 2e3 * bearing.element_radius, 1e3 * (given.flange_height or 0.0)
-    same: dict[str, Any] = {"place": place, "diameter": diameter, "pitch": 1e3 * bearing.pitch_radius, "angle": bearing.contact_angle,
-        "gap": 1e3 * bearing.radial_clearance, "side": -1 if given.axial_load < 0.0 else 1}  # fmt: skip
+    same: dict[str, Any] = {"place": place, "diameter": diameter, "pitch": 1e3 * bearing.pitch_radius,
+        "angle": bearing.contact_angle, "gap": 1e3 * bearing.radial_clearance,
+        "side": -1 if given.axial_load < 0.0 else 1}  # fmt: skip
     row: Row
     if isinstance(bearing, BallBearing):
-        n, grooves = laws.inner.exponent, 1e3 * np.array([bearing.inner_groove_radius, bearing.outer_groove_radius])
-        both = sum(law.stiffness ** (-1.0 / n) for law in laws) ** -n
-        law, span = replace(laws.inner, stiffness=both * 1e-3**n), float(grooves.sum()) - diameter
+        inner, outer = laws
+        assert isinstance(inner, PowerLaw)
+        assert isinstance(outer, PowerLaw)
+        n, grooves = inner.exponent, 1e3 * np.array([bearing.inner_groove_radius, bearing.outer_groove_radius])
+        both = (inner.stiffness ** (-1.0 / n) + outer.stiffness ** (-1.0 / n)) ** -n
+        law, span = replace(inner, stiffness=both * 1e-3**n), float(grooves.sum()) - diameter
         if not exceeds(span, same["gap"]):
             raise Unavailable("the clearance is as wide as the grooves are apart: balls reach their edges")
         row = BallRow(**same, law=law, span=span, inner_groove=grooves[0])

@@ -47,7 +47,7 @@ def _rate(
         decimal: decimal sign of numbers in --cycle
         viscosity: kinematic viscosity of the oil in operation, mm²/s; default: the scene's [lubricant]
         contamination: contamination factor e_C, 0 to 1; default: oil filtered in line
-        reliability: reliability of the modified life, %: 90, 95, 96, 97, 98, 99, 99.5, 99.9
+        reliability: reliability of the modified life, %, from 90 to 99.95
         roughness: rms roughness of roller and raceway together, µm
         width: width of the bearing, mm; default: that of its designation
         quiet: print nothing
@@ -61,8 +61,8 @@ def _rate(
     from lagrange.rating.sources import Unavailable
     from lagrange.scene.scene import read_scene
 
-    if reliability not in RELIABILITY:
-        raise UsageError(f"--reliability {reliability:g}: must be one of {', '.join(f'{p:g}' for p in RELIABILITY)}")
+    if not min(RELIABILITY) <= reliability <= max(RELIABILITY):
+        raise UsageError(f"--reliability {reliability:g}: must be from {min(RELIABILITY):g} to {max(RELIABILITY):g}")
     settings = set or []
     overrides, run = (*standard_bearing(bearing), *settings), None
     if scene is not None and scene.suffix == ".nc":

@@ -5,7 +5,7 @@ friction differ by a quarter or so: no number of friction is better than ±30 %.
 """
 
 from dataclasses import dataclass
-from math import asin, exp, pi, sqrt
+from math import asin, exp, log, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -172,7 +172,11 @@ class Basic(NamedTuple):
 
 EXPONENT = 10.0 / 3.0  # of roller bearings
 OF_BALLS = 3.0
-RELIABILITY = {90.0: 1.0, 95.0: 0.64, 96.0: 0.55, 97.0: 0.47, 98.0: 0.37, 99.0: 0.25, 99.5: 0.175, 99.9: 0.093}
+RELIABILITY = {  # a1 as the standard rounds it
+    90.0: 1.0, 95.0: 0.64, 96.0: 0.55, 97.0: 0.47, 98.0: 0.37, 99.0: 0.25, 99.2: 0.22, 99.4: 0.19, 99.6: 0.16,
+    99.8: 0.12, 99.9: 0.093, 99.92: 0.087, 99.94: 0.08, 99.95: 0.077}  # fmt: skip
+CERTAIN = 0.05  # of L10, which all bearings reach: C_γ of ISO/TR 1281-2
+SCATTER = 1.5  # e, Weibull's exponent
 KAPPA = 0.1, 4.0  # a_ISO is given between; beyond the upper one it stays
 LARGEST = 50.0  # a_ISO
 SLOW = 1000.0  # 1/min, below which ν1 has another formula
@@ -193,11 +197,26 @@ def in_hours(life: float, speed: float) -> float:
     return life * MINUTES / abs(speed)
 
 
+def revolutions(hours: float, speed: float) -> float:
+    """A life in hours at a speed, 1/min, in 10⁶ revolutions."""
+    return hours * abs(speed) / MINUTES
+
+
 def reliability_factor(percent: float) -> float:
-    """a1 of a reliability, %. Unavailable: one that the standard does not list."""
-    if percent not in RELIABILITY:
-        raise Unavailable(f"reliability {percent:g} %: the standard lists {', '.join(f'{p:g}' for p in RELIABILITY)} %")
-    return RELIABILITY[percent]
+    """a1 of a reliability, %, from 90 to 99.95: the standard's, between its values by the distribution behind them."""
+    scatter = (log(100.0 / percent) / log(1.0 / 0.9)) ** (1.0 / SCATTER)
+    return RELIABILITY.get(percent, CERTAIN + (1.0 - CERTAIN) * scatter)
+
+
+def reliability(ratio: float) -> float:
+    """Share of bearings, %, that reach a life, over the life that nine of ten reach: S = exp(−ln(1/0.9) x^1.5),
+    x = (L/L10 − 0.05)/0.95. Source: ISO/TR 1281-2, three-parameter Weibull distribution."""
+    return 100.0 * exp(log(0.9) * (max(ratio - CERTAIN, 0.0) / (1.0 - CERTAIN)) ** SCATTER)
+
+
+def required_capacity(load: float, life: float, exponent: float = EXPONENT) -> float:
+    """C, N, that has a life, 10⁶ revolutions, under P, N."""
+    return load * life ** (1.0 / exponent)
 
 
 def reference_viscosity(speed: float, pitch: float) -> float:

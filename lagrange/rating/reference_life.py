@@ -5,14 +5,14 @@ The standard's own load distribution is that of rigid rings; any other, as of el
 A run's own roller loads and dissipation may stand in the place of assumed ones.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
 
 from lagrange.axial.slices import Slices, centres, logarithmic_drop
-from lagrange.bearing import Bearing, Operation, load_factor
+from lagrange.bearing import BallBearing, Bearing, Operation, load_factor
 from lagrange.contact.laws import PowerLaw
 from lagrange.rating.life import REDUCTION, Dimensions, DutyCycle, dynamic_capacity
 from lagrange.rating.sources import Unavailable
@@ -119,27 +119,61 @@ def turning_rings(operation: Operation) -> tuple[str, ...]:
 
 
 def reference_life(
-    row: Dimensions, capacity: float, inner: ndarray, outer: ndarray | None = None, *, turning=("inner",)
-) -> float:
+    row: Dimensions, capacity: float, inner: ndarray, outer: ndarray | None = None, *, turning=("inner",),
+    a_iso: Callable[[float], float] | None = None,
+) -> float:  # fmt: skip
     """L10r, 10⁶ revolutions, under loads of laminae: (58) to (65).
 
     capacity : C_r, N
     inner, outer : (..., laminae), N, of all rollers, and of further cage angles where these are averaged over;
         outer None: as inner
     turning : rings that turn against the load, of `turning_rings`
+    a_iso : life modification by an equivalent load, N: the modified life over a1, by a load of each lamina
 
-    Unavailable: there is no load.
+    Unavailable: there is no load. Source: of the modified life ISO 16281:2025, (31) and (33).
     """
-    life, laminae = 0.0, inner.shape[-1]
-    both = zip(("inner", "outer"), (inner, inner if outer is None else outer), strict=True)
-    for (ring, loads), limit in zip(both, lamina_capacities(row, capacity, laminae), strict=True):
+    laminae, equivalent = inner.shape[-1], []
+    limits = lamina_capacities(row, capacity, laminae)
+    for ring, loads in zip(("inner", "outer"), (inner, inner if outer is None else outer), strict=True):
         exponent = 4.0 if ring in turning else 4.5
         stressed = (edge_factor(laminae) * loads).reshape(-1, laminae)
-        equivalent = np.mean(stressed**exponent, axis=0) ** (1.0 / exponent)
-        life += row.rows * float(np.sum((equivalent / limit) ** 4.5))
-    if not life > 0.0:
+        equivalent.append(np.mean(stressed**exponent, axis=0) ** (1.0 / exponent))
+    damage = row.rows * sum((load / limit) ** 4.5 for load, limit in zip(equivalent, limits, strict=True))
+    loaded = damage > 0.0
+    if not loaded.any():
         raise Unavailable("without load the rating life is infinite")
-    return life ** (-8 / 9)
+    if a_iso is not None:
+        ratio, (q_i, q_e) = 1.038 * limits[0] / limits[1], equivalent
+        mean = ((q_i**4.5 + (ratio * q_e) ** 4.5) / (1.0 + ratio**4.5)) ** (2 / 9)
+        of_bearing = 0.323 * row.rows * row.rollers * row.cosine * laminae * mean
+        damage[loaded] *= np.array([a_iso(load) for load in of_bearing[loaded]]) ** (-9 / 8)
+    return float(np.sum(damage)) ** (-8 / 9)
+
+
+def ball_reference_life(
+    bearing: BallBearing, capacity: float, inner: ndarray, outer: ndarray | None = None, *, turning=("inner",)
+) -> float:
+    """L10r, 10⁶ revolutions, under loads of balls along their contacts.
+
+    capacity : C_r, N, of all rows
+    inner, outer : (rows, ..., balls), N, of further cage angles too; outer None: as inner
+    turning : rings that turn against the load, of `turning_rings`
+
+    Unavailable: there is no load. Source: ISO/TS 16281, (19) to (29); ISO 16281:2025 of several rows.
+    """
+    gamma, ball = bearing.roller_radius / bearing.pitch_radius, bearing.element_radius
+    grooves = (1.0 - ball / bearing.outer_groove_radius) / (1.0 - ball / bearing.inner_groove_radius)
+    ratio = 1.044 * ((1.0 - gamma) / (1.0 + gamma)) ** 1.72 * grooves**0.41
+    of_ball = capacity / (bearing.n_rollers * bearing.cosine * bearing.rows**0.7)
+    limits = of_ball / 0.407 * (1.0 + ratio ** (10 / 3)) ** 0.3, of_ball / 0.389 * (1.0 + ratio ** (-10 / 3)) ** 0.3
+    damage = 0.0
+    for ring, loads, limit in zip(("inner", "outer"), (inner, inner if outer is None else outer), limits, strict=True):
+        exponent = 3.0 if ring in turning else 10.0 / 3.0
+        equivalent = np.mean(loads.reshape(len(loads), -1) ** exponent, axis=1) ** (1.0 / exponent)
+        damage += float(np.sum((equivalent / limit) ** (10 / 3)))
+    if not damage > 0.0:
+        raise Unavailable("without load the rating life is infinite")
+    return damage**-0.9
 
 
 COLUMNS = "time", "inner_x", "inner_y", "roller_x", "roller_y", "inner_force", "outer_force", "work_dissipated"

@@ -38,9 +38,19 @@ STATIC = Source("ISO 76",
     "2006, C0 = 44 (1 − D_we cos α/D_pw) i Z L_we D_we cos α; of balls f_0 i Z D_w² cos α; s0 = C0/P0, P0 = F_r",
     _RECALLED)
 LOAD = Source("ISO 281",
-    "P = F_r; of a duty cycle by Palmgren and Miner, (Σ n t P^(10/3)/Σ n t)^(3/10); of balls 3 for 10/3")
+    "2007 tables 3 and 7, P = X F_r + Y F_a; of flanged cylindrical rollers SKF's e = 0.2, X = 0.92, Y = 0.6 (series "
+    "10, 2, 3, 4) or 0.3, 0.92, 0.4; of a duty cycle by Palmgren and Miner, (Σ n t P^(10/3)/Σ n t)^(3/10), of balls 3 "
+    "for 10/3", f"{_PROGRAMS}, worked examples of NSK and NTN; SKF's read on its pages")
+STATIC_LOAD = Source("ISO 76", "2006, P0 = max(X0 F_r + Y0 F_a, F_r)", f"{_RECALLED}; that of deep grooves as SKF's")
+LEAST_LOAD = Source("makers", "rule of thumb: C/100 of balls, C/50 of rollers", "of rollers as on SKF's pages")
+FLANGES = Source("SKF",
+    "single row cylindrical roller bearings, dynamic axial load carrying capacity, oil: F_a ≤ 0.5 F_r, (1.5 C0 10⁴)/"
+    "(n (d + D)) − 0.15 F_r, 0.0023 D^1.7 kN, of series 2 0.0045 D^1.5",
+    "read on its pages; the formula in n as others quote it")
 LIFE = Source("ISO 281", "2007, L10 = (C/P)^(10/3); of balls (C/P)³")
-RELIABILITY = Source("ISO 281", "2007 table 12", _RECALLED)
+RELIABILITY = Source("ISO 281",
+    "2007 table 12, between its values by ISO/TR 1281-2, three-parameter Weibull distribution",
+    f"{_RECALLED}; both agree")
 VISCOSITY = Source("ISO 281", "2007, κ = ν/ν1; ν1 = 45000 n^−0.83 D_pw^−½, from 1000 1/min 4500 (n D_pw)^−½", _PROGRAMS)
 FATIGUE = Source("ISO 281",
     "annex B, C_u = C0/8.2, beyond D_pw = 100 mm times (100/D_pw)^0.3; of balls C0/22 and (100/D_pw)^0.5", _RECALLED)
@@ -48,6 +58,10 @@ A_ISO = Source("ISO 281", "2007 (34) to (36), radial roller bearings; (31) to (3
     f"{_PROGRAMS}; those of balls not compared with the source")
 CONTAMINATION = Source("ISO 281", "annex A, in-line filtered oil, β6(c) ≥ 200", _RECALLED)
 REFERENCE = Source("ISO/TS 16281", "2008 (38) to (65): laminae, rigid rings", _PROGRAMS)
+OF_BALLS = Source("ISO/TS 16281", "2008 (19) to (29): each ball's own contact angle, rigid rings",
+    f"{_PROGRAMS}; lives as those of a third")
+MODIFIED_REFERENCE = Source("ISO 16281",
+    "2025 (31), (33): a_ISO of each lamina's load; of balls of P_ref = C/L10r^(1/3)", _ONE)
 LOAD_SHARING = Source("ISO/TS 16281", "2008 (58) to (65) with the roller loads of elastic rings", _PROGRAMS)
 TILTED = Source("balance", "of hub and tilted rollers in slices, linearised at the operating point")
 HERTZ = Source("Hertz", "Johnson, Contact Mechanics (1985), 4.2: line contact, stress below (4.49); balls (4.24)")

@@ -35,10 +35,10 @@ def bearing(elements, diameter, pitch, clearance=0.0, degrees=0.0, length=None, 
 
 def solve(of, radial=0.0, axial=0.0, moment=None, side=0.0, **given):
     """Loads in N, N mm."""
-    operation = Operation(speed=0.0, radial_load=radial, side_load=side, inner_mass=0.0, gravity=0.0,
-        first_roller_angle=-0.5 * pi)  # fmt: skip
     moment = None if moment is None else 1e-3 * moment
-    return at_rest(of, operation, GIVEN._replace(axial_load=axial, moment=moment, **given), laws_of(of))
+    return at_rest(
+        of, np.array([side, -radial]), GIVEN._replace(axial_load=axial, moment=moment, **given), laws_of(of), -0.5 * pi
+    )
 
 
 def laws_of(of):

@@ -472,7 +472,7 @@ def test_numbers_of_a_worked_example(rated, monkeypatch):
     ("model=lagrange bodies.rollers=rigid", {"L10r_elastic_Mrev": "rigid"}),
     ("support.kind=points", {"L10r_Mrev": "the outer ring bends"}),
     ("material.roller.youngs_modulus_GPa=310", {"C_N": "steel"}),
-    ("bearing.designation='6205'", {"L10r_Mrev": "balls", "friction_torque_N_mm": "balls"}),
+    ("bearing.designation='6205'", {"L10r_elastic_Mrev": "balls", "friction_torque_N_mm": "balls"}),
     ("bearing.designation='6205' bearing.inner_conformity=0.54", {"C_N": "inner groove radius up to 0.52"}),
 ])  # fmt: skip
 def test_what_can_not_be_computed_has_a_reason(settings, reasons):

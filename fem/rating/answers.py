@@ -3,7 +3,7 @@
 `Case` computes what they need of a scene, each once; BLOCKS has a row for every answer.
 """
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import degrees, nan, pi, sin
@@ -21,6 +21,7 @@ from lagrange.fits import growths, outer_growth
 from lagrange.kinematics import kinematics
 from lagrange.mounting import HELD
 from lagrange.rating import life, reference_life, sources
+from lagrange.rating.axial_load import Balance, at_rest
 from lagrange.rating.life import Basic, Dimensions, DutyCycle, Torque, in_hours, reference_viscosity, reliability_factor
 from lagrange.rating.reference_life import LaminaLoads, RunLoads
 from lagrange.rating.sources import NotAsked, Source, Unavailable
@@ -36,6 +37,8 @@ POSITIONS = 16  # of the cage in a pitch, for the standard's load distribution
 INSTANTS = 2000  # of a load that changes with time
 SLOPES = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0)  # mrad
 ALLOWED_SLOPE = 4.0 / 60.0 * pi / 180.0  # rad, of cylindrical roller bearings of narrow series by makers' catalogues
+TO_SI = np.sqrt([1e3, 1e3, 1e3, 1e-3, 1e-3])  # of stiffnesses in mm of lengths and tilts
+PLANAR = "no axial load, tilting moment or mirrored rows in the scene"
 PLANE = "rollers do not tilt: the scene has no [axial]"
 NO_RUN = "no run: give a result file of run-fem instead of the scene"
 NO_FIT = "no [fit] in the scene: its clearance is assumed to include interference and temperatures"
@@ -70,6 +73,10 @@ class Case:
         self.relative_speed = operation.speed - operation.outer_speed  # at the start, rad/s
         self.bends = self.mounting.points is not None or self.mounting.bore is not None  # the outer ring
         self.weight = operation.inner_mass * operation.gravity
+        given = self.given = scene.row_loads()
+        self.in_plane = not (given.axial_load or given.arrangement or (given.tilt and self.axial is None)) and (
+            given.moment is None
+        )
 
     row = cached_property(lambda self: Dimensions.of(self.scene.unmounted_bearing()))
     basic = cached_property(lambda self: Basic.of(self.scene.unmounted_bearing()))
@@ -154,6 +161,51 @@ class Case:
 
     rigid = cached_property(lambda self: self.rigid_at())
 
+    @cached_property
+    def balance(self) -> Balance:  # of rows on rigid rings at the first angle, under axial load and moment
+        if self.in_plane:
+            force = np.array([0.0, -self.load])
+        elif self.mounting.shaft is not None:
+            raise Unavailable(
+                "the shaft's springs are those of the plane: not with axial load, moment or mirrored rows"
+            )
+        else:
+            acting = self.on_bearing
+            force = load_factor(self.bearing) * np.array([acting.side_load, -acting.radial_load - self.weight])
+        first = self.operation.first_roller_angle
+        return at_rest(self.bearing, force, self.given, self.laws, first, True if self.balls else self.profile)
+
+    in_space = property(lambda self: _not_asked(PLANAR) if self.in_plane else self.balance)
+
+    def life_of_rows(self) -> float:
+        """L10r, 10⁶ revolutions, rings rigid, at the first angle."""
+        if self.in_plane and not self.balls:
+            return self.reference_life(self.rigid.loads)
+        rows = self.balance.rows
+        if isinstance(self.bearing, BallBearing):
+            self.refuse_reference_life()
+            loads = np.stack([row.loads for row in rows])
+            return reference_life.ball_reference_life(self.bearing, self.basic.dynamic, loads, turning=self.turning)
+        lives = [self.reference_life(row.inner, row.outer) for row in rows]
+        return float(np.mean(np.power(lives, -9 / 8))) ** (-8 / 9)
+
+    @property
+    def contacts_in_words(self) -> str:
+        if not self.in_plane:
+            return f"rigid rings, {'Hertz' if self.balls else 'laminae of ISO/TS 16281'}"
+        _ = self.pitch
+        law = f"rigid rings on the contact law {self.scene.lagrange.law}"
+        return law if self.scene.model == "lagrange" else "elastic rings and rollers"
+
+    def contact_angles(self) -> list[float]:
+        """Of loaded elements, least and largest, degrees."""
+        loaded = np.concatenate([np.degrees(np.abs(row.angle[row.loads > 0.0])) for row in self.in_space.rows])
+        return [float(loaded.min()), float(loaded.max())] if loaded.size else _refuse("nothing is loaded")
+
+    @property
+    def stiffness(self) -> np.ndarray:  # of the hub in x and y, (2, 2), N/m
+        return self.pitch.mean if self.in_plane else 1e3 * self.balance.radial_stiffness
+
     def under(self, operation: Operation, elastic: bool, samples: int = SAMPLES) -> Pitch:
         """Equilibria over a pitch, by elastic rings, or rigid ones on the scene's contact law."""
         if elastic and self.bends:
@@ -162,8 +214,14 @@ class Case:
             return self.tilted_under(operation, elastic).pitch
         return self.plane_under(operation, elastic, samples)
 
+    def refuse_space(self) -> None:
+        """Unavailable: the bearing leaves its plane."""
+        if not self.in_plane:
+            raise Unavailable("over a pitch and with elastic rings only without axial load, moment and mirrored rows")
+
     def plane_under(self, operation: Operation, elastic: bool, samples: int) -> Pitch:
         """The same with parallel axes, the outer ring held all around."""
+        self.refuse_space()
         damping = self.scene.damping.contacts
         bearing = under_films(self.scene.perfect_bearing(), self.scene.films(operation))
         if elastic:
@@ -179,6 +237,7 @@ class Case:
         """The same with rollers that tilt."""
         from fem.rating.equilibria import tilted_pitch
 
+        self.refuse_space()
         axial = axial or self.axial or _not_asked(PLANE)
         return tilted_pitch(self.bearing, axial, operation, None if elastic else self.laws)
 
@@ -213,12 +272,21 @@ class Case:
         return hertz.contact_pairs(self.bearing)
 
     # at inner and outer raceway over the pitch
-    largest_forces = property(lambda self: (float(self.pitch.inner_force.max()), float(self.pitch.outer_force.max())))
+    @property
+    def largest_forces(self) -> tuple[float, float]:
+        if self.in_plane:
+            return float(self.pitch.inner_force.max()), float(self.pitch.outer_force.max())
+        return (max(float(row.loads.max()) for row in self.balance.rows),) * 2
 
     @cached_property
     def stressed(self) -> dict[str, hertz.LineContact]:  # the most loaded contact of each raceway over the pitch
         pairs = self.line_contacts[:2]
-        forces = self.largest_forces if self.axial is None else [self.tilted.peaks[pair.kind] for pair in pairs]
+        forces: Sequence[float] = self.largest_forces
+        if not self.in_plane:  # as if the most loaded lamina's load were that of all
+            forces = [reference_life.LAMINAE * max(float(getattr(row, pair.kind).max()) for row in self.balance.rows)
+                      for pair in pairs]  # fmt: skip
+        elif self.axial is not None:
+            forces = [self.tilted.peaks[pair.kind] for pair in pairs]
         return {pair.kind: hertz.line_contact(pair, force) for pair, force in zip(pairs, forces, strict=True)}
 
     @cached_property
@@ -282,7 +350,7 @@ class Case:
     def with_housing(self) -> np.ndarray:  # stiffness of the bearing and its housing behind each other, (2, 2), N/m
         housing = self.mounting.housing or _not_asked("the scene has no [support] with a housing on springs")
         springs = stiffness_factor(self.bearing) * housing.stiffness * np.eye(2)
-        return np.linalg.inv(np.linalg.inv(self.pitch.mean) + np.linalg.inv(springs))
+        return np.linalg.inv(np.linalg.inv(self.stiffness) + np.linalg.inv(springs))
 
     def at_hub(self) -> np.ndarray:
         """Of the hub against the ground, N/m: bearing and housing behind each other, beside the shaft's springs."""
@@ -290,11 +358,11 @@ class Case:
         if housing is None and shaft is None:
             raise NotAsked("the scene has neither a housing nor a shaft on springs")
         beside = 0.0 if shaft is None else stiffness_factor(self.bearing) * shaft.stiffness
-        return (self.pitch.mean if housing is None else self.with_housing) + beside * np.eye(2)
+        return (self.stiffness if housing is None else self.with_housing) + beside * np.eye(2)
 
     def frequencies(self) -> list[float]:
         """Of the hub on its linearised mean stiffness, Hz."""
-        values = np.linalg.eigvalsh(self.pitch.mean)
+        values = np.linalg.eigvalsh(self.stiffness)
         if not values[0] > 0.0:
             raise Unavailable("the mean stiffness is positive in one direction at most")
         return (np.sqrt(values / (stiffness_factor(self.bearing) * self.operation.inner_mass)) / (2.0 * pi)).tolist()
@@ -310,12 +378,16 @@ class Case:
         forces = pitch.inner_force, pitch.outer_force
         return self.reference_life(*(reference_life.shared_out(self.row, force) for force in forces))
 
-    def reference_life(self, inner: np.ndarray, outer: np.ndarray | None = None) -> float:
-        """L10r, 10⁶ revolutions, under loads of laminae, N."""
+    def refuse_reference_life(self) -> None:
+        """Unavailable: L10r is that of rigid rings which turn under the load."""
         if self.bends:
             raise Unavailable("[support]: the outer ring bends, and L10r assumes rigid rings")
         if self.oscillation:
             raise Unavailable(f"{self.oscillation}: no ring turns relative to the load, which L10r assumes")
+
+    def reference_life(self, inner: np.ndarray, outer: np.ndarray | None = None) -> float:
+        """L10r, 10⁶ revolutions, under loads of laminae, N."""
+        self.refuse_reference_life()
         capacity = life.dynamic_capacity(self.row)
         return reference_life.reference_life(self.row, capacity, inner, outer, turning=self.turning)
 
@@ -368,8 +440,16 @@ BLOCKS: dict[str, tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...
         ("P0_N", "N", "equivalent static load P0{weight}", s.STATIC, lambda c: c.largest_load),
         ("s0", "1", "static safety C0/P0", s.STATIC, lambda c: c.basic.static / positive(c.largest_load, "infinite")),
         ("speed_rpm", "1/min", "relative ring speed", s.LOAD, lambda c: c.rpm),
+        ("hub_displacement_um", "µm", "hub at x, y, z", s.IN_SPACE, lambda c: 1e3 * c.in_space.hub[:3]),
+        ("hub_tilt_mrad", "mrad", "tilt of the hub, +z to the load", s.IN_SPACE, lambda c: 1e3 * c.in_space.hub[3]),
+        ("moment_on_hub_N_m", "N m", "moment that holds it", s.IN_SPACE,
+         lambda c: _not_asked("the hub is free to tilt") if c.given.moment is not None else 1e-3 * c.in_space.force[3]),
+        ("largest_load_N", "N", "largest load of an element", s.IN_SPACE,
+         lambda c: max(float(row.loads.max()) for row in c.in_space.rows)),
+        ("contact_angle_range_deg", "°", "contact angles under load", s.IN_SPACE, lambda c: c.contact_angles()),
         ("roller_loads_N", "N", "roller loads at the first angle, rigid rings", s.REFERENCE,
-         lambda c: c.rigid.of_rollers),
+         lambda c: c.rigid.of_rollers if c.in_plane and not c.balls
+         else np.concatenate([row.loads for row in c.balance.rows])),
         ("misalignment_mrad", "mrad", "slope of the shaft, +z to the load", s.TILTED, lambda c: 1e3 * c.tilted.slope),
         ("tilting_moment_N_m", "N m", "moment that holds that slope", s.TILTED, lambda c: c.tilted.moment)),
     "lives": (
@@ -380,7 +460,7 @@ BLOCKS: dict[str, tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...
         ("a_ISO", "1", "life modification factor a_ISO", s.A_ISO, lambda c: c.a_iso),
         ("Lnm_h", "h", "modified rating life Lnm", s.A_ISO,
          lambda c: in_hours(reliability_factor(c.options.reliability) * c.a_iso * c.basic_life, c.rpm)),
-        ("L10r_Mrev", "Mrev", "L10r, rigid rings", s.REFERENCE, lambda c: c.reference_life(c.rigid.loads)),
+        ("L10r_Mrev", "Mrev", "L10r, rigid rings", s.REFERENCE, lambda c: c.life_of_rows()),
         ("L10r_pitch_Mrev", "Mrev", "L10r, rigid rings, over a pitch", s.REFERENCE,
          lambda c: c.reference_life(np.concatenate(
              [c.rigid_at(2.0 * pi / c.row.rollers * k / POSITIONS).loads for k in range(POSITIONS)]))),
@@ -402,19 +482,19 @@ BLOCKS: dict[str, tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...
          lambda c: {name: {key: factor * getattr(contact, key.rpartition("_")[0]) for key, factor in STRESSES.items()}
                     for name, contact in c.stressed.items()})),
     "stiffness": (
-        ("stiffness_N_per_m", "N/m", "stiffness in x, y", s.LINEARISED, lambda c: c.pitch.mean),
+        ("stiffness_N_per_m", "N/m", "stiffness in x, y", s.LINEARISED, lambda c: c.stiffness),
         ("stiffness_range_N_per_m", "N/m", "lowest and highest over a pitch", s.LINEARISED, lambda c: c.pitch.range),
         ("stiffness_harmonics_N_per_m", "N/m", "stiffness, amplitudes at 1, 2 ... times the ball pass frequency",
          s.LINEARISED, lambda c: c.pitch.harmonics),
-        ("stiffness_contacts", "", "contacts", s.LINEARISED,
-         lambda c: (c.pitch, f"rigid rings on the contact law {c.scene.lagrange.law}" if c.scene.model == "lagrange"
-                    else "elastic rings and rollers")[1]),
+        ("stiffness_contacts", "", "contacts", s.LINEARISED, lambda c: c.contacts_in_words),
         ("stiffness_with_housing_N_per_m", "N/m", "in series with the housing", s.LINEARISED, lambda c: c.with_housing),
         ("hub_stiffness_N_per_m", "N/m", "with springs of housing and shaft", s.LINEARISED, lambda c: c.at_hub()),
         ("tilt_stiffness_N_m_per_rad", "N m/rad", "tilting at constant load", s.TILTED,
          lambda c: c.tilted.tilt_stiffness),
         ("stiffness_with_tilt", "N/m, N, N m", "stiffness in x, y, slopes in x, y", s.TILTED,
          lambda c: c.tilted.stiffness),
+        ("stiffness_5x5", "N/m, N, N m", "stiffness in x, y, z, tilts about x, y", s.IN_SPACE,
+         lambda c: np.outer(TO_SI, TO_SI) * c.in_space.stiffness),
         ("damping_N_s_per_m", "N s/m", "damping in x, y", s.LINEARISED,
          lambda c: _refuse("with [axial] damping is not implemented") if c.axial is not None
          else c.pitch.damping.mean(axis=0) if c.scene.damping.contacts.acts
@@ -515,7 +595,7 @@ def _warnings(case: Case, values: dict[str, Any]) -> Iterator[str]:
     stiff, rated, load = values["stiffness_N_per_m"] is not None, values["C_N"], values["P_N"] or 0.0
     bearing, operation, slope = case.bearing, case.operation, 1e3 * case.operation.misalignment
     rpm = max(*(abs(speed) / RPM for speed in operation.ring_speeds), values["speed_rpm"] or 0.0)
-    if stiff and not case.pitch.is_stable:
+    if stiff and case.in_plane and not case.pitch.is_stable:
         yield (
             "the stiffness across the load is not positive at every cage angle: the hub balances on single rollers, "
             "and the mean matrix is of little use; raise the load or reduce the clearance"
@@ -528,11 +608,11 @@ def _warnings(case: Case, values: dict[str, Any]) -> Iterator[str]:
         yield "P is below 2 % of C: rollers may skid, and rating lives are of little use"
     if case.history is not None and not case.history.is_steady:
         yield "speed or load changes with time: stiffness, stresses and film are those at its start"
-    if bearing.contact_angle and bearing.rows == 1 and stiff:
+    if bearing.contact_angle and bearing.rows == 1 and stiff and case.in_plane:
         axial = float(case.pitch.inner_force.sum(axis=1).mean()) * sin(bearing.contact_angle)
         yield (
             f"through the contact angle the radial load causes an axial force of {axial:.4g} N (Σ Q sin α), which "
-            "another bearing must carry; external axial loads are not supported"
+            "another bearing must carry, or operation.axial_load_N"
         )
     if case.oscillation:
         yield f"{case.oscillation}: L10 from the mean speed is of little use, and no lubricant is drawn in"

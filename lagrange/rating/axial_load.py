@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy import ndarray
 
-from lagrange.bearing import BallBearing, Bearing, Operation, RowLoads
+from lagrange.bearing import BallBearing, Bearing, RowLoads
 from lagrange.contact.laws import ContactLaws, PowerLaw
 from lagrange.errors import exceeds
 from lagrange.kinematics import roller_angles
@@ -37,7 +37,7 @@ LONGEST_STEP, FARTHEST = 0.02, 1.0  # of an element's diameter: one step, and th
 SETTLED, NEAREST = 1e-11, 1e-15  # of the load left, and of a step over a diameter, where it ends
 LOOSE = 1e-10  # of the stiffness, in directions in which nothing bears
 OVERSHOOT = 0.9  # of the load along a step, that may act against it at its end
-DIRECTIONS = "x", "y", "z", "tilt_x", "tilt_y"
+DIRECTIONS = "x", "y", "z", "tilt about x", "tilt about y"
 
 
 class Reaction(NamedTuple):
@@ -93,8 +93,8 @@ class BallRow(Row):
 
     @property
     def free_angle(self) -> float:
-        """cos α₀ = (1 − s/2A) cos α: the contact angle where the row closes without load."""
-        return float(np.arccos((1.0 - self.gap / self.span) * cos(self.angle)))
+        """cos α₀ = (1 − s/2A) cos α: the contact angle where the row closes without load; 0 of a preload at α = 0."""
+        return float(np.arccos(min((1.0 - self.gap / self.span) * cos(self.angle), 1.0)))
 
     def at(self, hub: ndarray) -> Reaction:
         radius = self.pitch + (self.inner_groove - 0.5 * self.diameter) * cos(self.free_angle)
@@ -178,6 +178,7 @@ class Balance(NamedTuple):
 
     hub: ndarray  # (5,), mm and rad, by DIRECTIONS
     rows: tuple[Reaction, ...]
+    kept: ndarray  # directions, ascending, in which the hub is free
 
     @property
     def force(self) -> ndarray:
@@ -189,6 +190,13 @@ class Balance(NamedTuple):
         """(5, 5), N/mm, N, N mm."""
         return np.sum([row.stiffness for row in self.rows], axis=0)
 
+    @property
+    def radial_stiffness(self) -> ndarray:
+        """In x and y, (2, 2), N/mm, the hub's other free directions in balance."""
+        whole, others = self.stiffness, self.kept[2:]
+        follow = np.linalg.lstsq(whole[np.ix_(others, others)], whole[others, :2])[0]
+        return whole[:2, :2] - whole[:2, others] @ follow
+
 
 def balanced(rows: Sequence[Row], load: ndarray, free: Sequence[bool], start: ndarray) -> Balance:
     """The hub under a load, (5,), N and N mm, where it is free, (5,); elsewhere it stays at the start, (5,).
@@ -198,7 +206,7 @@ def balanced(rows: Sequence[Row], load: ndarray, free: Sequence[bool], start: nd
     diameter, kept = rows[0].diameter, np.flatnonzero(free)
     unit = np.array([1.0, 1.0, 1.0, 1.0 / rows[0].pitch, 1.0 / rows[0].pitch])[kept]  # tilts as lengths
     size = float(np.max(np.abs(unit * load[kept]))) or 1.0
-    here, left, hub = (found := Balance(start, tuple(row.at(start) for row in rows))), None, start
+    found = Balance(start, tuple(row.at(start) for row in rows), kept)
     for _ in range(STEPS):
         left = unit * (load - found.force)[kept]
         if np.max(np.abs(left)) <= SETTLED * size:
@@ -210,7 +218,7 @@ def balanced(rows: Sequence[Row], load: ndarray, free: Sequence[bool], start: nd
         while True:
             hub = found.hub.copy()
             hub[kept] += unit * step
-            here = Balance(hub, tuple(row.at(hub) for row in rows))
+            here = Balance(hub, tuple(row.at(hub) for row in rows), kept)
             against = unit * (load - here.force)[kept] @ step
             if against >= -OVERSHOOT * (left @ step) or np.max(np.abs(step)) <= NEAREST * diameter:
                 break
@@ -260,18 +268,18 @@ def rows_of(
 
 
 def at_rest(
-    bearing: Bearing, operation: Operation, given: RowLoads, laws: ContactLaws, drop: ndarray | bool = True
-) -> Balance:
-    """The hub of a bearing under its whole load, weight included; without axial load a row at a contact angle is held.
+    bearing: Bearing, force: ndarray, given: RowLoads, laws: ContactLaws, first_roller_angle: float,
+    drop: ndarray | bool = True,
+) -> Balance:  # fmt: skip
+    """The hub of a bearing under a force in x and y, (2,), N; without axial load a row at a contact angle is held.
 
     Unavailable: its rows carry no such load.
     """
-    rows = rows_of(bearing, given, laws, roller_angles(bearing, operation.first_roller_angle), drop)
-    side, radial = operation.side_load, operation.radial_load + operation.inner_mass * operation.gravity
+    rows = rows_of(bearing, given, laws, roller_angles(bearing, first_roller_angle), drop)
     angle, tilts = bearing.contact_angle, given.moment is not None
     grooves = isinstance(bearing, BallBearing) and angle == 0.0
     slides = grooves or given.arrangement is not None or given.axial_load != 0.0
-    load = np.array([side, -radial, given.axial_load, 1e3 * (given.moment or 0.0), 0.0])
+    load = np.array([*force, given.axial_load, 1e3 * (given.moment or 0.0), 0.0])
     try:
         found = balanced(rows, load, [True, True, slides, tilts, tilts], np.array([0.0, 0.0, 0.0, given.tilt, 0.0]))
         if angle == 0.0 or all((row.side * one.angle >= 0.0).all() for row, one in zip(rows, found.rows, strict=True)):
@@ -281,6 +289,6 @@ def at_rest(
             raise
     raise Unavailable(
         f"the row slides open along the axis: at {bearing.contact_angle_deg:.4g}° a radial load of "
-        f"{np.hypot(side, radial):.0f} N needs an axial load of {np.hypot(side, radial) * tan(angle):.0f} N at least; "
+        f"{np.hypot(*force):.0f} N needs an axial load of {np.hypot(*force) * tan(angle):.0f} N at least; "
         "raise operation.axial_load_N, or give bearing.arrangement with rows = 2"
     )

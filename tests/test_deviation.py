@@ -140,25 +140,20 @@ def test_a_roller_meets_the_rising_edge_where_its_bottom_lets_it(depth, body):
 # Contacts at the edges of spalls: softer than on the sound surface, in one potential with all else.
 
 
-def deep(body, angle=0.0, width=1e-3, depth=1e-4):
-    roller = 0 if body == "roller" else None
-    return Spall(body=body, roller=roller, angle=angle, width=width, depth=depth, edge_radius=1e-4)
-
-
 @pytest.mark.parametrize(("body", "kind"), [("inner_ring", 0), ("outer_ring", 1)])
 def test_forces_at_edges_are_those_of_half_planes_which_are_hertz_contacts_far_from_them(body, kind):
     """Measured: within 3.1 %, where the sinkage alone is off by up to 46 %."""
-    spall, pair, law = deep(body), contact_pairs(PAPER)[kind], contact_laws("johnson", PAPER)[kind]
-    half = spall.half_opening(PAPER.roller_radius)
+    fault, pair, law = spall(body), contact_pairs(PAPER)[kind], contact_laws("johnson", PAPER)[kind]
+    half = fault.half_opening(PAPER.roller_radius)
     reference = EdgeContact(radius=pair.radii[0], roller_radius=PAPER.roller_radius, compliance=pair.line_compliance,
-        level=0.5 * law.level, half_opening=half, edge_radius=spall.edge_radius, beside=0.4e-3)  # fmt: skip
+        level=0.5 * law.level, half_opening=half, edge_radius=fault.edge_radius, beside=0.4e-3)  # fmt: skip
     for approach in (0.5e-6, 2e-6):
         force, pressure = reference.press(half + 0.15e-3, approach)
         assert force == pytest.approx(law.force(approach), rel=5e-4)
         assert pressure / PAPER.roller_length == pytest.approx(pair.peak_pressure(force), rel=3e-3)
     places = half + np.array([60e-6, 20e-6, 0.0, -20e-6, -60e-6, -150e-6, -0.3e-3])
     angle = np.repeat(np.arcsin(places / abs(pair.radii[0]))[:, None], 13, axis=1)
-    met = getattr(of_faults(spall), ("inner", "outer")[kind])(angle, Turns())
+    met = getattr(of_faults(fault), ("inner", "outer")[kind])(angle, Turns())
     for place, sunk, soft in zip(places, met.sinkage[:, 0], met.compliance[:, 0], strict=True):
         for approach in (1e-6, 3e-6):
             exact, _ = reference.press(place, sunk + approach)
@@ -172,13 +167,13 @@ def test_forces_at_edges_are_those_of_half_planes_which_are_hertz_contacts_far_f
 def test_an_edge_alone_has_its_own_curvature_and_a_shallow_bottom_that_of_the_raceway(body, own, other, meeting):
     """ΔB = ½ ln(ratio of the curvatures) where the contact lies on its edge, 0 beside the spall and in its middle."""
     circles = Circles(own, other, meeting, PAPER.roller_radius)
-    found = softening(deep(body, width=2e-3), circles, np.array([0.0, 0.3e-3, 1.2e-3]) / own)
+    found = softening(spall(body, width=2e-3), circles, np.array([0.0, 0.3e-3, 1.2e-3]) / own)
     with_other = 1e4 + (1.0 / other if meeting != "in_bore" else -1.0 / other)
     curvature = CURVATURES["inner_ring" if body == "inner_ring" else "outer_ring"]
     assert found[1] == pytest.approx(0.5 * log(with_other / curvature), abs=0.02)
     assert found[0] == found[2] == 0.0
     if body == "outer_ring":
-        assert np.abs(softening(deep(body, depth=2e-6), circles, np.array([0.0, 0.1e-3]) / own)).max() < 0.01
+        assert np.abs(softening(spall(body, depth=2e-6), circles, np.array([0.0, 0.1e-3]) / own)).max() < 0.01
 
 
 @pytest.mark.parametrize("law", ["harris", "johnson"])
@@ -219,7 +214,7 @@ def assert_gradient(faults, laws, start, turns):
 @pytest.mark.parametrize("law", ["harris", "johnson"])
 def test_forces_at_edges_are_the_gradient_of_the_energy(law):
     """Rollers 20 µm and more beside the edge of a spall, on raceways and on a roller, by every coordinate."""
-    faults = deep("outer_ring", DOWN), deep("inner_ring", DOWN + 0.4735), deep("roller", 0.3)
+    faults = spall("outer_ring", DOWN), spall("inner_ring", DOWN + 0.4735), spall("roller", 0.3)
     start = np.concatenate([[1e-6, -4e-6], np.full(13, 0.023002), DOWN + 0.0175 + np.arange(13) * 2 * np.pi / 13])
     turns = Turns(inner_ring=0.0, rollers=DOWN + 0.0175 - 0.3 - 0.0895)
     contacts, _ = assert_gradient(faults, contact_laws(law, PAPER), start, turns)

@@ -270,12 +270,17 @@ def test_elastic_models_are_near_the_exact_series_and_rigid_bodies_are_not():
     assert any("nodes, too many only to compare" in each.lacks for each in errors.model_choices(make_plan(huge)))
 
 
-def test_a_dry_run_shows_the_models_but_of_balls(capsys):
-    assert run_main(["--dry-run", "--mesh-size", "2"]) == 0
-    told = capsys.readouterr().out
-    assert "Models for this scene" in told and "start with" in told
-    assert run_main(["--dry-run", "--model", "lagrange", "--set", "bearing.type=ball"]) == 0
-    assert "Models for this scene" not in capsys.readouterr().out
+def test_a_dry_run_shows_the_models_but_of_balls_and_converge_meshes_and_they_write_nothing(here, monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "110")
+    for options, words in (
+        (["--dry-run", "--mesh-size", "2"], ("Models for this scene", "start with")),
+        (["--converge", "--mesh-size", "2"], ("Richardson", "exact series", "MPa")),
+        (["--dry-run", "--model", "lagrange", "--set", "bearing.type=ball"], ()),
+    ):
+        assert run_main(options) == 0
+        told = capsys.readouterr().out
+        assert all(word in told for word in words) and (words or "Models for this scene" not in told)
+    assert not list(here.iterdir())
 
 
 # run-fem --converge: statics on three meshes, Richardson's value beside the exact series
@@ -294,14 +299,9 @@ def test_richardsons_value_and_loads_and_pressures_of_all_meshes_are_those_of_th
     assert table.meshes[0].size == pytest.approx(2.5), "a coarse mesh of a scene is the coarsest"
     with pytest.raises(UsageError, match="order of convergence"):
         errors.mesh_table(read_scene(None, ("contact.model=faceted",)))
-
-
-def test_the_command_shows_meshes_and_writes_nothing(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "110")
-    assert run_main(["--converge", "--mesh-size", "2"]) == 0
-    told = capsys.readouterr().out
-    assert "Richardson" in told and "exact series" in told and "MPa" in told and not list(tmp_path.iterdir())
+    with pytest.raises(UsageError, match=r"mesh_size_mm = 2\.5"):
+        errors.coarser_scene(read_scene(None, ("numerics.mesh_size_mm=2.5",)))
+    assert errors.coarser_scene(read_scene()).numerics.mesh_size_mm == 2.0
 
 
 # The stated discretisation error: Richardson's extrapolation, bracketing the true one, in the result file
@@ -353,14 +353,6 @@ def test_moving_quantities_are_those_of_a_made_up_record():
     assert found["hub_std_y"] == pytest.approx(2e-8 / np.sqrt(2.0), rel=1e-3)
     assert found["largest_force"] == pytest.approx(105.0, rel=1e-4)
     assert found["mean_largest_force"] == pytest.approx(100.0, rel=1e-4)
-
-
-def test_a_mesh_that_leaves_no_coarser_one_is_refused(capsys, tmp_path):
-    with pytest.raises(UsageError, match=r"mesh_size_mm = 2\.5"):
-        errors.coarser_scene(read_scene(None, ("numerics.mesh_size_mm=2.5",)))
-    assert errors.coarser_scene(read_scene()).numerics.mesh_size_mm == 2.0
-    assert run_main(["--estimate-error", "--mesh-size", "3", "--output", str(tmp_path / "no.nc")]) == 2
-    assert "--estimate-error" in capsys.readouterr().err and not list(tmp_path.iterdir())
 
 
 def test_the_result_file_states_the_error_until_the_record_grows(tmp_path, capsys):

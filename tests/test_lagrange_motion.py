@@ -115,24 +115,7 @@ def test_energies_of_a_state_done_by_hand():
     assert motion.contact_state(BEARING, pair, state).energy.sum() == pytest.approx(stored, rel=1e-10)
 
 
-# Kinematics, and equations (22), (23).
-
-
-def test_paper_bearing_turns_as_its_kinematics_say():
-    found = kinematics(PAPER, 2 * np.pi * 75.0)
-    lines = {"shaft": 75.0, "FTF": 29.348, "BPFO": 381.52, "BPFI": 593.48, "BSF": 164.35}
-    assert found.frequencies == pytest.approx(lines, rel=1e-4)
-    # Harris: cage = shaft/2 (1 − d/D), spin = shaft/2 (D/d) (1 − (d/D)²)
-    assert found.frequencies["FTF"] == pytest.approx(37.5 * (1 - 10 / 46))
-    assert found.frequencies["BSF"] == pytest.approx(37.5 * 4.6 * (1 - (10 / 46) ** 2))
-    assert found.frequencies["BPFO"] + found.frequencies["BPFI"] == pytest.approx(13 * 75.0)
-
-
-def test_rolling_without_slip_at_both_raceways_and_the_papers_masses():
-    found, r = kinematics(PAPER, -300.0), PAPER.roller_radius
-    centre = found.cage * PAPER.pitch_radius  # speed of a roller's centre, clearance 0
-    assert centre - found.roller * r == pytest.approx(-300.0 * PAPER.inner_raceway_radius)
-    assert centre + found.roller * r == pytest.approx(0.0, abs=1e-12)
+def test_the_papers_masses_and_centrifugal_force():
     speed = kinematics(PAPER, RUNNING.speed).cage
     assert 0.006 * PAPER.pitch_radius * speed**2 == pytest.approx(4.69, abs=0.01)
     assert PAPER.roller_mass == pytest.approx(0.006, rel=0.03)

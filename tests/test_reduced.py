@@ -352,7 +352,9 @@ def test_a_run_that_restarts_turns_as_its_times_say(halvings):
 
 def test_a_run_that_goes_wrong_restarts_before_its_end(monkeypatch):
     monkeypatch.setattr(simulate, "LARGEST_BLOCK", 1000)  # samples, of a run too short for blocks by its time
-    plan = kit.in_longer_steps(kit.RATTLES)
+    plan = make_plan(parse_scene(kit.RATTLES, "test"))
+    assert (plan.stride, plan.looks) == (3, 1)
+    plan = replace(plan, stride=2)  # steps half as long again: 0.68 of the critical one
     state, _, told = ran(plan)
     assert len(told) == 1 and "restarts with half" in told[0][0]
     assert told[0][1] < 0.7 * plan.stride * (plan.n_samples - 1)

@@ -464,14 +464,6 @@ def test_a_run_whose_checkpoint_has_no_place_is_refused_before_it_replaces_anyth
     assert path.read_bytes() == whole.read_bytes()
 
 
-@pytest.mark.usefixtures("whole")  # kernels are compiled
-def test_a_closed_standard_error_stops_no_run(tmp_path):
-    path = tmp_path / "run.nc"
-    command = f'"{sys.executable}" -m fem --mesh-size 2 --duration 2 --output "{path}" 2>&-'
-    assert subprocess.run(command, shell=True, env=environment()).returncode == 0
-    assert kit.attributes(path)["status"] == "complete"
-
-
 def test_a_link_keeps_leading_to_the_result(whole, tmp_path):
     (tmp_path / "disk").mkdir()
     link, target = tmp_path / "run.nc", tmp_path / "disk" / "result.nc"

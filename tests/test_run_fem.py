@@ -105,15 +105,6 @@ def test_physics_of_the_coarse_run(coarse_run):
     assert np.ptp(balance) < 1e-4 * elastic  # 1 % is asked for; measured 4e-6
 
 
-def test_halving_the_interval_changes_no_shared_sample():
-    fine, coarse = (plan_of("numerics.duration_ms=1", f"numerics.output_interval_us={us}") for us in (10, 20))
-    assert fine.time_step == pytest.approx(coarse.time_step, rel=0.03)
-    coarse = replace(coarse, time_step=fine.time_step, stride=2 * fine.stride)
-    often, seldom = whole_run(fine), whole_run(coarse)
-    for name in ("inner_y", "roller_x"):
-        assert np.array_equal(often[name][::2], seldom[name])
-
-
 # What a run says of itself first: hub, loads, load zone, cage, ball passes
 def samples(speed, slip=0.0, turns=1.0, count=4001):
     """A made-up run: rollers loaded in the lower 120° of the circle, hub on an ellipse."""

@@ -27,7 +27,8 @@ from fem.solver.simulate import make_plan
 from lagrange.columns import columns_of
 from lagrange.files.hdf5 import CHECKSUM
 from lagrange.scene.scene import read_scene
-from tests.reference.kit import ENTRIES, attributes, command, environment, same_data, sets, start_run, started_as
+from tests.reference.kit import ENTRIES, attributes, command, environment, same_data, sets, started_as
+from tests.stability.histories import disturb
 from tests.waiting import GIVE_UP, wait_until
 
 NO_CONTRACT = ("wall_seconds", "setup_seconds")  # attributes that differ from run to run
@@ -264,7 +265,8 @@ def refused(arguments, capsys):
 @pytest.mark.parametrize("model", ["fem", "lagrange"])
 def test_a_stopped_command_says_so_and_leaves_a_readable_file(model, number, tmp_path, capsys):
     path, killed = tmp_path / "long.nc", number is signal.SIGKILL
-    process = start_run(path, "--model", model)
+    process = started(path, "--mesh-size", "2", "--duration", "2000", "--model", model)
+    wait_until(lambda: attributes(path)["committed_samples"] > 0, process, pause=0.1)
     try:
         with h5py.File(path) as file:
             assert file.attrs["status"] == "running"
@@ -383,9 +385,6 @@ def test_samples_beyond_the_checkpoint_are_written_again(whole, tmp_path):
 
 # kill -9 at random moments: numbers of calls to the system that write, sync or move, whatever the machine's load
 KILLED = [*COARSE, "--duration", "12", "--checkpoint", "0", *sets("output.fields_every_ms=1"), "--output"]
-BLOCK = 20  # samples between two checkpoints, of 1201
-COUNTER = 8  # bytes, which reach a file whole
-WRITE = os.write
 LONGEST = 3000  # calls until a kill at the most; a block makes some 120
 
 
@@ -403,26 +402,11 @@ def leg(path):
 
 
 def killed_run(path, moment):
-    """A leg of the run in a process of its own, killed in its call of that number, of which, where it is a longer
-    write, a part has been made by then; whether it was before the leg's end."""
-    calls = itertools.count()
-
-    def counted(call):
-        def made(*arguments, **options):
-            if next(calls) == moment:
-                if call is WRITE and len(arguments[1]) > COUNTER:
-                    call(arguments[0], arguments[1][: len(arguments[1]) // 2])
-                os.kill(os.getpid(), signal.SIGKILL)
-            return call(*arguments, **options)
-
-        return made
-
+    """A leg of the run in a process of its own, killed in its call of that number; whether it was before its end."""
     child = os.fork()
     if child == 0:
         try:
-            simulate.size_of_block = lambda *_: BLOCK
-            for name in ("write", "fsync", "replace"):
-                setattr(os, name, counted(getattr(os, name)))
+            disturb("kill", moment, path)
             os._exit(leg(path))
         finally:
             os._exit(70)

@@ -20,10 +20,8 @@ from fem.elastic.bodies import disc_body
 from fem.elastic.continuum import hertz_approach, stick_approach
 from fem.elastic.reciprocal_mass import LUMPED, THIRD
 from fem.kernels import columns
-from fem.kernels.elements.loop import advance
 from fem.kernels.jit import KernelCache, PartCache, every, kernel, part
 from fem.kernels.law import ripple_at
-from fem.kernels.mounts import NOT_FINITE
 from fem.kernels.part_compiler import WHOLE, fields_used, shifted
 from fem.solver.simulate import make_plan
 from fem.statics.contact_balance import Loads
@@ -155,13 +153,6 @@ def test_a_mirrored_scene_has_the_mirrored_answer():
         within(backward[:, at], [-1.0, 1.0] * forward[:, at], 1e-6 * scale)
     mirrored = np.roll(block(forward, "inner_force")[:, ::-1], 1, axis=1)
     within(block(backward, "inner_force"), mirrored, 1e-5)
-
-
-def test_too_long_a_step_is_reported_with_step_and_body():
-    whole, samples = model(paper(), 2e-3), np.zeros((400, columns.N_SCALARS + len(columns.BLOCKS) * 13))
-    state = arrays(whole, operation(), 1.3 * critical_time_step(whole, 650.0), 0.1)
-    status, at, body = advance(*kit.loop_arguments(state), 0, 10, samples)
-    assert status == NOT_FINITE and 0 < at < 4000 and -1 <= body < 13
 
 
 # Bodies declared rigid: statics against exact series, their motion, balances, what is refused
@@ -495,7 +486,7 @@ def test_a_question_that_the_reader_of_fields_does_not_see_is_no_silent_no(not_k
 
 RADIUS = 0.005
 CALIBRATED_AT = 5e-5  # half-width b, m, as `fem.contacts.subgrid` does for this roller
-MODULUS = STEEL.plane_strain_modulus
+SPRINGY = Material(youngs_modulus=100e9, poisson_ratio=0.2, density=3000.0)
 HELD = {"inside": ((0.0125, 0.018), (56, 3), True), "outside": ((0.028, 0.0325), (88, 2), False)}
 
 
@@ -503,17 +494,19 @@ def surface_of(body, b=CALIBRATED_AT):
     return subgrid.surface_compliance(body, LENGTH, b)
 
 
-@pytest.mark.parametrize("layers", [3, 5, 10])
-def test_a_squeezed_disc_has_johnsons_approach_at_every_position_and_where_it_sticks(layers):
-    body = kit.disc(RADIUS, layers)
+@pytest.mark.parametrize(("layers", "material"), [(3, STEEL), (5, STEEL), (10, STEEL), (5, SPRINGY)])
+def test_a_squeezed_disc_has_johnsons_approach_at_every_position_and_where_it_sticks(layers, material):
+    """Poisson's ratio matters only through the plane-strain modulus."""
+    body, modulus = kit.disc(RADIUS, layers, material), material.plane_strain_modulus
     surface = surface_of(body)
-    law, grid = law_on_rigid(surface, RADIUS), np.array([squeezed(body, surface, p * layers / 5.0) for p in POSITIONS])
+    law = law_on_rigid(surface, RADIUS, material)
+    grid = np.array([squeezed(body, surface, p * layers / 5.0) for p in POSITIONS])
     for force in (100.0, 200.0, 400.0, 628.0, 800.0, 1000.0):
         q = force / LENGTH
-        b, found = half_width(q, RADIUS, MODULUS), grid * force + law.approach(force)
+        b, found = half_width(q, RADIUS, modulus), grid * force + law.approach(force)
         assert law.pair.half_width(force) == pytest.approx(b, rel=1e-12)
         # Johnson's formula is the limit b << R; its next term is O(b/R) of a bracket of about 14, 0.05 % at b/R = 0.013
-        assert_allclose(found, squeezed_disc_approach(q, RADIUS, b, MODULUS), rtol=1e-3)
+        assert_allclose(found, squeezed_disc_approach(q, RADIUS, b, modulus), rtol=1e-3)
         # measured spread 1e-4: between its knots the ripple's spline is off by h⁴ of a short wave
         assert np.ptp(found) < 5e-4 * found.mean()
     # without the ripple the same contact is softer at some places than at others
@@ -521,7 +514,7 @@ def test_a_squeezed_disc_has_johnsons_approach_at_every_position_and_where_it_st
     loads = [points.patch_traction(body, 2.0 * np.pi * p * layers / 5.0 / body.n_surface) for p in POSITIONS]
     for force in (30.0, 628.0):
         exact = stick_approach(body.section, law.pair.half_width(force)) / LENGTH
-        found = [float(load @ body.relaxed(load)) + missing_shear(surface, RADIUS, force) for load in loads]
+        found = [float(load @ body.relaxed(load)) + missing_shear(surface, law.pair, force) for load in loads]
         # the mesh is softer at some places than at others, which the level, a mean, does not follow
         assert_allclose(found, exact, rtol=0.012)
         assert np.mean(found) == pytest.approx(exact, rel=5e-3)
@@ -543,14 +536,14 @@ def test_a_held_ring_has_the_exact_approach_at_every_position_and_where_it_stick
         exact = hertz_approach(body.section, b) / LENGTH * force
         assert grid * force + law.approach(force) == pytest.approx(exact, rel=1e-3)
         if scale == 1:
-            below, exact = missing_shear(surface, body.raceway_radius, force), stick_approach(body.section, b) / LENGTH
+            below, exact = missing_shear(surface, law.pair, force), stick_approach(body.section, b) / LENGTH
             assert np.vdot(along, body.held(along)) + below == pytest.approx(exact, rel=2e-3)
 
 
-def missing_shear(surface, radius, force):
+def missing_shear(surface, pair, force):
     """What the mesh lacks of a contact's tangential compliance, m/N, against a rigid plane."""
-    sides = surface, subgrid.rigid_surface(1.0), law_on_rigid(surface, radius).pair
-    return surface.unit * (subgrid.level(*sides, "missing_shear") - 0.5 * np.log(force))
+    level = subgrid.level(surface, subgrid.rigid_surface(1.0), pair, "missing_shear")
+    return surface.unit * (level - 0.5 * np.log(force))
 
 
 def test_the_law_scales_with_modulus_size_and_the_half_width_it_is_calibrated_at():
@@ -573,13 +566,4 @@ def test_the_law_scales_with_modulus_size_and_the_half_width_it_is_calibrated_at
     wide, narrow = (law_on_rigid(surface_of(kit.disc(RADIUS, 5), CALIBRATED_AT / share), RADIUS) for share in (1, 10))
     # the O(b/R) that is left out, 0.3 b/R of a bracket of about 2
     assert wide.B == pytest.approx(narrow.B, abs=0.01)
-    assert wide.A == narrow.A == pytest.approx(2.0 / (np.pi * MODULUS * LENGTH), rel=1e-14)
-
-
-def test_poissons_ratio_matters_only_through_the_plane_strain_modulus_in_johnsons_formula():
-    material = Material(youngs_modulus=100e9, poisson_ratio=0.2, density=3000.0)
-    body, modulus, force = kit.disc(RADIUS, 5, material), 100e9 / (1.0 - 0.04), 300.0
-    surface, b = surface_of(body), half_width(force / LENGTH, RADIUS, modulus)
-    wanted = squeezed_disc_approach(force / LENGTH, RADIUS, b, modulus)
-    found = squeezed(body, surface, 1.2) * force + law_on_rigid(surface, RADIUS, material).approach(force)
-    assert found == pytest.approx(wanted, rel=1e-3)
+    assert wide.A == narrow.A == pytest.approx(2.0 / (np.pi * STEEL.plane_strain_modulus * LENGTH), rel=1e-14)

@@ -47,7 +47,7 @@ from lagrange.surface.faults import Spall, UnequalRoller, Waviness
 from meshes import Annulus, Disc
 from residual.record import Record
 from tests.reference.continua import cubic_bspline_patch
-from tests.waiting import GIVE_UP, wait_until
+from tests.waiting import GIVE_UP
 
 # ---- Bearings, bodies and loads that tests and verification share, each built once a session; states of the time loop.
 
@@ -167,7 +167,7 @@ DGBB_209 = BallBearing(
 )  # fmt: skip
 
 
-def spall(body, angle, width=1e-3, depth=1e-4):
+def spall(body, angle=0.0, width=1e-3, depth=1e-4):
     """Of this width and depth, m, its middle at an angle on a ring or on roller 0."""
     roller = 0 if body == "roller" else None
     return Spall(body=body, roller=roller, angle=angle, width=width, depth=depth, edge_radius=1e-4)
@@ -415,23 +415,6 @@ def command(name: str, *arguments: object, folder: Path | None = None, prepare=N
     )  # fmt: skip
 
 
-def start_run(path, *options, duration="2000"):
-    """The command in a process of its own, once it has committed samples."""
-    run_fem = [sys.executable, "-m", "fem", "--mesh-size", "2", "--duration", duration]
-    process = subprocess.Popen([*run_fem, "--output", str(path), *options], stderr=subprocess.PIPE, text=True)
-
-    def has_committed() -> bool:
-        try:
-            with h5py.File(path, "r", locking=False) as file:
-                return file.attrs["committed_samples"] > 0
-        except (OSError, KeyError):
-            return False
-
-    wait_until(has_committed, process, pause=0.1)
-    assert process.poll() is None, process.communicate()
-    return process
-
-
 # ---- Studies to be tried quickly: a millisecond each of the Lagrangian model.
 
 BASE = '\n[fixed]\nmodel = "lagrange"\n"numerics.duration_ms" = 1.0\n'
@@ -522,13 +505,6 @@ RATTLES = {
     "contact": {"friction_coefficient": 0.0},
     "numerics": {"start": "rest", "load_ramp_ms": 0.0, "duration_ms": 20.0, "time_step_safety": 0.9},
 }  # fmt: skip
-
-
-def in_longer_steps(settings):
-    """A plan with steps half as long again as it would take: 0.68 of the critical one."""
-    plan = make_plan(parse_scene(settings, "test"))
-    assert (plan.stride, plan.looks) == (3, 1)
-    return replace(plan, stride=2)
 
 
 def ran(plan):

@@ -38,6 +38,7 @@ MODELS = {
 }  # fmt: skip
 SHARES = 0.5, 0.3, 0.2
 BLOCK = 20  # samples between two commits and checkpoints
+COUNTER = 8  # bytes, which reach a file whole
 SIGNALS = {"kill": signal.SIGKILL, "terminate": signal.SIGTERM, "interrupt": signal.SIGINT}
 EVENTS = (*SIGNALS, "full", "fails", "removed", "renamed")
 BETWEEN = ("nothing", "nothing", "cold caches", "damaged caches", "flipped checkpoint", "flipped result")
@@ -83,16 +84,18 @@ def disturb(event: str, moment: int, result: Path) -> None:
         elif event == "renamed" and result.exists():
             result.rename(away)
 
-    def counted(call):
+    def counted(call, is_write):
         def made(*arguments, **options):
             if next(calls) == moment:
+                if event == "kill" and is_write and len(arguments[1]) > COUNTER:  # a part of it has been made
+                    call(arguments[0], arguments[1][: len(arguments[1]) // 2])
                 befall()
             return call(*arguments, **options)
 
         return made
 
     for name in ("write", "fsync", "replace"):  # by which it brings data to the disk
-        setattr(os, name, counted(getattr(os, name)))
+        setattr(os, name, counted(getattr(os, name), name == "write"))
 
 
 class History:

@@ -27,7 +27,7 @@ _FORCES = {"N": 1.0, "kN": 1e3}
 UNITS = {  # of columns: what a table may have in their place, and how much that is
     "time_ms": {"ms": 1.0, "s": 1e3},
     "speed_rpm": {"rpm": 1.0, "1/min": 1.0, "rad/s": 30.0 / pi},
-    **dict.fromkeys(("x_N", "y_N", "load_N"), _FORCES),
+    **dict.fromkeys(("x_N", "y_N", "load_N", "axial_load_N"), _FORCES),
     "share": {"%": 1.0, "s": 1.0, "min": 1.0, "h": 1.0},  # of time: its sum is the whole
 }
 FEWEST_POINTS = 2

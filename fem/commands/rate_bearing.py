@@ -9,7 +9,7 @@ from fem.commands.start_up import run_app_main, standard_bearing
 from lagrange.commands import new_app
 from lagrange.errors import UsageError
 
-CYCLE_COLUMNS = "load_N", "speed_rpm", "share"
+CYCLE = {"loads": "load_N", "speeds": "speed_rpm", "shares": "share", "axial_loads": "axial_load_N"}  # columns
 LONGEST = 10_000_000  # bytes of a duty cycle
 
 rate_app = new_app(
@@ -34,7 +34,7 @@ def _rate(
     scene: Path | None = None, /, *, bearing: str | None = None, set: list[str] | None = None,
     output: Path | None = None, ross: Path | None = None, cycle: Path | None = None, decimal: Literal[".", ","] = ".",
     viscosity: float | None = None, contamination: float | None = None, reliability: float = 90.0,
-    roughness: float | None = None, width: float | None = None, quiet: bool = False,
+    life: float | None = None, roughness: float | None = None, width: float | None = None, quiet: bool = False,
 ) -> int:  # fmt: skip
     """
     Args:
@@ -43,17 +43,19 @@ def _rate(
         set: any scene key: table.key=value; repeatable
         output: folder for the JSON file and rating.html
         ross: write coefficients over speed for ROSS to this CSV file
-        cycle: duty cycle: CSV with the columns load_N, speed_rpm, share of time; or load_kN, share [%]
+        cycle: duty cycle: CSV with columns load_N, speed_rpm, share of time, axial_load_N if any; or load_kN, share [%]
         decimal: decimal sign of numbers in --cycle
         viscosity: kinematic viscosity of the oil in operation, mm²/s; default: the scene's [lubricant]
         contamination: contamination factor e_C, 0 to 1; default: oil filtered in line
         reliability: reliability of the modified life, %, from 90 to 99.95
+        life: wanted life, h: its reliability, and the C that it needs
         roughness: rms roughness of roller and raceway together, µm
         width: width of the bearing, mm; default: that of its designation
         quiet: print nothing
     """
-    given = {"viscosity": viscosity, "contamination": contamination, "roughness": roughness, "width": width}
-    for (name, value), largest in zip(given.items(), (1e6, 1.0, 1e3, 1e4), strict=True):
+    given = {"viscosity": (viscosity, 1e6), "contamination": (contamination, 1.0), "life": (life, 1e9),
+             "roughness": (roughness, 1e3), "width": (width, 1e4)}  # fmt: skip
+    for name, (value, largest) in given.items():
         if value is not None and not 0.0 < value <= largest:
             raise UsageError(f"--{name} {value:g}: must be above 0 and at most {largest:g}")
     from lagrange.messages import shown, telling
@@ -83,13 +85,16 @@ def _rate(
     steps = None
     if cycle is not None:  # a duty cycle from a file
         from lagrange.files.input import plain_text
+        from lagrange.files.tables import TextTable
         from lagrange.files.tables import columns as table_columns
         from lagrange.load_history import UNITS
         from lagrange.rating.life import DutyCycle
 
         try:
-            loads, speeds, shares = table_columns(plain_text(cycle, LONGEST), CYCLE_COLUMNS, decimal, UNITS).T
-            steps = DutyCycle(loads=loads, speeds=speeds, shares=shares)
+            text = plain_text(cycle, LONGEST)
+            axial = any(name.startswith("axial_load") for name in TextTable.named(text, decimal).names)
+            table = table_columns(text, list(CYCLE.values())[: 3 + axial], decimal, UNITS).T
+            steps = DutyCycle(**dict(zip(CYCLE, table, strict=False)))
         except ValueError as error:
             reason = str(error).replace('decimal = ","', "--decimal ,")  # tables of scenes have it as a key
             raise UsageError(f"--cycle {cycle}: {reason}") from None
@@ -99,7 +104,7 @@ def _rate(
         chosen,
         Options(
             name=name, viscosity=viscosity, contamination=contamination, reliability=reliability, roughness=roughness,
-            width=width, cycle=steps, run=run,
+            width=width, life=life, cycle=steps, run=run,
         ),
     )  # fmt: skip
     written = [folder / f"{result_name(chosen.name, settings)}-rating.json"]

@@ -4,6 +4,7 @@
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from math import degrees, nan, pi, sin
@@ -20,8 +21,9 @@ from lagrange.first_state import equilibrium_state
 from lagrange.fits import growths, outer_growth
 from lagrange.kinematics import kinematics
 from lagrange.mounting import HELD
-from lagrange.rating import life, reference_life, sources
+from lagrange.rating import equivalent, life, reference_life, sources
 from lagrange.rating.axial_load import Balance, at_rest
+from lagrange.rating.equivalent import Factors
 from lagrange.rating.life import Basic, Dimensions, DutyCycle, Torque, in_hours, reference_viscosity, reliability_factor
 from lagrange.rating.reference_life import LaminaLoads, RunLoads
 from lagrange.rating.sources import NotAsked, Source, Unavailable
@@ -39,6 +41,7 @@ SLOPES = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0)  # mrad
 ALLOWED_SLOPE = 4.0 / 60.0 * pi / 180.0  # rad, of cylindrical roller bearings of narrow series by makers' catalogues
 TO_SI = np.sqrt([1e3, 1e3, 1e3, 1e-3, 1e-3])  # of stiffnesses in mm of lengths and tilts
 PLANAR = "no axial load, tilting moment or mirrored rows in the scene"
+DIFFERING = 1.5  # of L10r and L10, either way
 PLANE = "rollers do not tilt: the scene has no [axial]"
 NO_RUN = "no run: give a result file of run-fem instead of the scene"
 NO_FIT = "no [fit] in the scene: its clearance is assumed to include interference and temperatures"
@@ -54,6 +57,7 @@ class Options(NamedTuple):
     reliability: float = 90.0  # %
     roughness: float | None = None  # µm, rms of roller and raceway together
     width: float | None = None  # mm, of the bearing; None: that of its designation
+    life: float | None = None  # h, wanted
     cycle: DutyCycle | None = None
     run: RunLoads | None = None  # of the same scene: its loads in place of the scene's
 
@@ -115,10 +119,40 @@ class Case:
             raise Unavailable("the bearing does not turn")
         return DutyCycle(loads=load_factor(self.bearing) * load, speeds=speeds, shares=np.ones(INSTANTS))
 
-    # P and P0; what P is of one row's section, P/(i cos α); speed of one ring against the other
-    load = cached_property(lambda self: self.static_load if self.cycle is None else self.cycle.load(self.exponent))
-    largest_load = property(lambda self: self.static_load if self.cycle is None else self.cycle.largest_load)
-    section_load = property(lambda self: positive(self.load, "no load on the rollers") / load_factor(self.bearing))
+    mirrored = property(lambda self: self.given.arrangement is not None)
+    series = property(lambda self: dimension_series(self.scene.bearing.designation))
+
+    @property
+    def loads(self) -> tuple[np.ndarray, np.ndarray]:  # radial and axial, of all steps, (n,), or of one
+        radial = np.array([self.static_load]) if self.cycle is None else self.cycle.loads
+        axial = None if self.cycle is None else self.cycle.axial_loads
+        return radial, np.broadcast_to(self.given.axial_load if axial is None else axial, radial.shape)
+
+    @property
+    def factors(self) -> dict[float, Factors]:  # by axial load
+        axial = np.unique(self.loads[1])
+        factors = equivalent.factors
+        return {a: factors(self.bearing, self.basic.static, a, self.mirrored, self.series) for a in axial if a != 0.0}
+
+    def mean(self, loads: np.ndarray) -> float:
+        """Of loads of all steps the one of the same life."""
+        return float(loads[0]) if self.cycle is None else replace(self.cycle, loads=loads).load(self.exponent)
+
+    @cached_property
+    def load(self) -> float:  # P
+        (radial, axial), found = self.loads, self.loads[0].copy()
+        for each, factors in self.factors.items():
+            found[axial == each] = factors.load(radial[axial == each], each)
+        return self.mean(found)
+
+    # P0; what the mean radial load is of one row's section, F_r/(i cos α); speed of one ring against the other
+    @property
+    def largest_load(self) -> float:
+        radial, axial = self.loads
+        return float(equivalent.static_load(self.bearing, radial, axial, self.mirrored).max())
+
+    radial_mean = property(lambda self: positive(self.mean(self.loads[0]), "no load on the rollers"))
+    section_load = property(lambda self: self.radial_mean / load_factor(self.bearing))
     rpm = cached_property(lambda self: abs(self.relative_speed) / RPM if self.cycle is None else self.cycle.speed)
 
     @cached_property
@@ -136,10 +170,34 @@ class Case:
         given = self.options.contamination
         return life.contamination_factor(self.kappa, self.basic.pitch) if given is None else given
 
-    @cached_property
-    def a_iso(self) -> float:
-        ratio = self.contamination * self.basic.fatigue / positive(self.load, "no load on the rollers")
+    def a_iso(self, load: float) -> float:
+        ratio = self.contamination * self.basic.fatigue / positive(load, "no load on the rollers")
         return life.life_modification(self.kappa, ratio, self.balls)
+
+    modified_life = property(lambda self: self.a_iso(self.load) * self.basic_life)  # 90 % reach it
+    a1 = property(lambda self: reliability_factor(self.options.reliability))
+
+    @property
+    def wanted(self) -> float:  # 10⁶ revolutions
+        hours = self.options.life or _not_asked("no life is wanted: give --life in hours")
+        return life.revolutions(hours, self.rpm) or _refuse("the bearing does not turn")
+
+    def reliabilities(self) -> dict[str, float | None]:
+        """Of the wanted life by L10 and by the modified life, %."""
+        found: dict[str, float | None] = {"L10": life.reliability(self.wanted / self.basic_life), "L10m": None}
+        with suppress(Unavailable):
+            found["L10m"] = life.reliability(self.wanted / self.modified_life)
+        return found
+
+    @property
+    def required(self) -> float:  # C for the wanted life, N
+        return life.required_capacity(positive(self.load, "none is needed"), self.wanted / self.a1, self.exponent)
+
+    def flange_limit(self) -> float:  # N
+        if self.given.flange_height is None:
+            raise NotAsked("no flanges of both rings")
+        static, sizes = self.basic.static, self.diameters
+        return equivalent.flange_limit(static, *sizes, self.rpm, self.radial_mean, self.series)
 
     @cached_property
     def profile(self) -> bool | np.ndarray:  # as `rigid_loads` takes it: the standard's without [axial]
@@ -177,16 +235,17 @@ class Case:
 
     in_space = property(lambda self: _not_asked(PLANAR) if self.in_plane else self.balance)
 
-    def life_of_rows(self) -> float:
-        """L10r, 10⁶ revolutions, rings rigid, at the first angle."""
+    def life_of_rows(self, a_iso: Callable[[float], float] | None = None) -> float:
+        """L10r, or times a_ISO, 10⁶ revolutions, rings rigid, at the first angle."""
         if self.in_plane and not self.balls:
-            return self.reference_life(self.rigid.loads)
-        rows = self.balance.rows
+            return self.reference_life(self.rigid.loads, a_iso=a_iso)
+        rows, capacity = self.balance.rows, self.basic.dynamic
         if isinstance(self.bearing, BallBearing):
             self.refuse_reference_life()
             loads = np.stack([row.loads for row in rows])
-            return reference_life.ball_reference_life(self.bearing, self.basic.dynamic, loads, turning=self.turning)
-        lives = [self.reference_life(row.inner, row.outer) for row in rows]
+            found = reference_life.ball_reference_life(self.bearing, capacity, loads, turning=self.turning)
+            return found if a_iso is None else found * a_iso(self.reference_load)
+        lives = [self.reference_life(row.inner, row.outer, a_iso) for row in rows]
         return float(np.mean(np.power(lives, -9 / 8))) ** (-8 / 9)
 
     @property
@@ -367,16 +426,22 @@ class Case:
             raise Unavailable("the mean stiffness is positive in one direction at most")
         return (np.sqrt(values / (stiffness_factor(self.bearing) * self.operation.inner_mass)) / (2.0 * pi)).tolist()
 
+    rigid_life = cached_property(lambda self: self.life_of_rows())
+    pitch_life = cached_property(lambda self: self.reference_life(np.concatenate(
+        [self.rigid_at(2.0 * pi / self.row.rollers * k / POSITIONS).loads for k in range(POSITIONS)])))  # fmt: skip
+
+    @cached_property
     def elastic_life(self) -> float:
         acting = self.on_bearing
         if self.cycle is not None:
-            acting = replace(acting, side_load=0.0, radial_load=self.load / load_factor(self.bearing) - self.weight)
+            acting = replace(acting, side_load=0.0, radial_load=self.section_load - self.weight)
         if self.axial is not None:  # slices alone, which the standard's factor of edges is made for
             alone = replace(self.axial, slices=reference_life.LAMINAE, coupling=False)
             return self.reference_life(*self.tilted_under(acting, True, alone).loads)
         pitch = self.elastic if self.cycle is None else self.under(acting, True)
         forces = pitch.inner_force, pitch.outer_force
-        return self.reference_life(*(reference_life.shared_out(self.row, force) for force in forces))
+        inner, outer = (reference_life.shared_out(self.row, force) for force in forces)
+        return self.reference_life(inner, outer)
 
     def refuse_reference_life(self) -> None:
         """Unavailable: L10r is that of rigid rings which turn under the load."""
@@ -385,11 +450,15 @@ class Case:
         if self.oscillation:
             raise Unavailable(f"{self.oscillation}: no ring turns relative to the load, which L10r assumes")
 
-    def reference_life(self, inner: np.ndarray, outer: np.ndarray | None = None) -> float:
-        """L10r, 10⁶ revolutions, under loads of laminae, N."""
+    def reference_life(
+        self, inner: np.ndarray, outer: np.ndarray | None = None, a_iso: Callable[[float], float] | None = None
+    ) -> float:
+        """L10r, or times a_ISO, 10⁶ revolutions, under loads of laminae, N."""
         self.refuse_reference_life()
-        capacity = life.dynamic_capacity(self.row)
-        return reference_life.reference_life(self.row, capacity, inner, outer, turning=self.turning)
+        capacity = self.basic.dynamic
+        return reference_life.reference_life(self.row, capacity, inner, outer, turning=self.turning, a_iso=a_iso)
+
+    reference_load = property(lambda self: self.basic.dynamic / self.rigid_life ** (1.0 / self.exponent))  # N
 
 
 def _refuse(reason: str) -> Any:
@@ -398,6 +467,12 @@ def _refuse(reason: str) -> Any:
 
 def _not_asked(reason: str) -> Any:
     raise NotAsked(reason)
+
+
+def _only(factors: dict[float, Factors]) -> Factors:
+    if not factors:
+        raise NotAsked("no axial load")
+    return next(iter(factors.values())) if len(factors) == 1 else _refuse("they differ from step to step")
 
 
 def positive(load: float, else_what: str) -> float:
@@ -424,8 +499,17 @@ STRESSES = {  # of a contact, and what turns them out of SI
     "largest_von_mises_MPa": 1e-6, "von_mises_depth_um": 1e6}  # fmt: skip
 
 s = sources
+Row = tuple[str, str, str, Source, Callable[[Case], Any]]
+
+
+def _life(name: str, meaning: str, source: Source, of: Callable[[Case], float]) -> tuple[Row, Row]:
+    """In revolutions and in hours."""
+    hours = f"{name}_h", "h", meaning, source, lambda c: in_hours(of(c), c.rpm)
+    return (f"{name}_Mrev", "Mrev", meaning, source, of), hours
+
+
 # Blocks of the sheet: name in the JSON file, unit, meaning, source, value. Neighbours of one meaning share a line.
-BLOCKS: dict[str, tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...]] = {
+BLOCKS: dict[str, tuple[Row, ...]] = {
     "bearing": (
         ("C_N", "N", "basic dynamic load rating C", s.DYNAMIC, lambda c: c.basic.dynamic),
         ("C0_N", "N", "basic static load rating C0", s.STATIC, lambda c: c.basic.static),
@@ -437,8 +521,14 @@ BLOCKS: dict[str, tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...
          lambda c: {"shaft": 1e-6 * c.build_up.shaft_pressure, "housing": 1e-6 * c.build_up.housing_pressure})),
     "loads": (
         ("P_N", "N", "equivalent dynamic load P{weight}", s.LOAD, lambda c: c.load),
-        ("P0_N", "N", "equivalent static load P0{weight}", s.STATIC, lambda c: c.largest_load),
+        ("factors", "", "e, Y up to it, X and Y beyond", s.LOAD,
+         lambda c: {name: float(value) for name, value in _only(c.factors)._asdict().items()}),
+        ("reference_load_N", "N", "load of the same life as L10r", s.REFERENCE, lambda c: c.reference_load),
+        ("P0_N", "N", "equivalent static load P0{weight}", s.STATIC_LOAD, lambda c: c.largest_load),
         ("s0", "1", "static safety C0/P0", s.STATIC, lambda c: c.basic.static / positive(c.largest_load, "infinite")),
+        ("minimum_load_N", "N", "least radial load, rule of thumb", s.LEAST_LOAD,
+         lambda c: equivalent.least_load(c.basic.dynamic, c.balls)),
+        ("permitted_axial_load_N", "N", "axial load that flanges carry", s.FLANGES, lambda c: c.flange_limit()),
         ("speed_rpm", "1/min", "relative ring speed", s.LOAD, lambda c: c.rpm),
         ("hub_displacement_um", "µm", "hub at x, y, z", s.IN_SPACE, lambda c: 1e3 * c.in_space.hub[:3]),
         ("hub_tilt_mrad", "mrad", "tilt of the hub, +z to the load", s.IN_SPACE, lambda c: 1e3 * c.in_space.hub[3]),
@@ -453,25 +543,23 @@ BLOCKS: dict[str, tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...
         ("misalignment_mrad", "mrad", "slope of the shaft, +z to the load", s.TILTED, lambda c: 1e3 * c.tilted.slope),
         ("tilting_moment_N_m", "N m", "moment that holds that slope", s.TILTED, lambda c: c.tilted.moment)),
     "lives": (
-        ("L10_Mrev", "Mrev", "basic rating life L10", s.LIFE, lambda c: c.basic_life),
-        ("L10_h", "h", "basic rating life L10", s.LIFE, lambda c: in_hours(c.basic_life, c.rpm)),
-        ("a1", "1", "reliability factor a1", s.RELIABILITY, lambda c: reliability_factor(c.options.reliability)),
+        *_life("L10", "basic rating life L10", s.LIFE, lambda c: c.basic_life),
+        ("a1", "1", "reliability factor a1", s.RELIABILITY, lambda c: c.a1),
         ("e_C", "1", "contamination factor e_C", s.CONTAMINATION, lambda c: c.contamination),
-        ("a_ISO", "1", "life modification factor a_ISO", s.A_ISO, lambda c: c.a_iso),
-        ("Lnm_h", "h", "modified rating life Lnm", s.A_ISO,
-         lambda c: in_hours(reliability_factor(c.options.reliability) * c.a_iso * c.basic_life, c.rpm)),
-        ("L10r_Mrev", "Mrev", "L10r, rigid rings", s.REFERENCE, lambda c: c.life_of_rows()),
-        ("L10r_pitch_Mrev", "Mrev", "L10r, rigid rings, over a pitch", s.REFERENCE,
-         lambda c: c.reference_life(np.concatenate(
-             [c.rigid_at(2.0 * pi / c.row.rollers * k / POSITIONS).loads for k in range(POSITIONS)]))),
-        ("L10r_elastic_Mrev", "Mrev", "L10r, elastic rings, over a pitch", s.LOAD_SHARING, lambda c: c.elastic_life()),
-        ("L10r_run_Mrev", "Mrev", "L10r, roller loads of the run", s.OF_RUN,
-         lambda c: c.run.life(c.row, c.axial is not None)),
+        ("a_ISO", "1", "life modification factor a_ISO", s.A_ISO, lambda c: c.a_iso(c.load)),
+        ("Lnm_h", "h", "modified rating life Lnm", s.A_ISO, lambda c: in_hours(c.a1 * c.modified_life, c.rpm)),
+        *_life("L10r", "L10r, rigid rings", s.REFERENCE, lambda c: c.rigid_life),
+        *_life("L10r_pitch", "L10r, rigid rings, over a pitch", s.REFERENCE, lambda c: c.pitch_life),
+        *_life("L10r_elastic", "L10r, elastic rings, over a pitch", s.LOAD_SHARING, lambda c: c.elastic_life),
+        *_life("L10r_run", "L10r, roller loads of the run", s.OF_RUN, lambda c: c.run.life(c.row, c.axial is not None)),
         ("L10r_by_misalignment_Mrev", "Mrev", "L10r, rigid rings, by misalignment", s.REFERENCE,
          lambda c: _not_asked(PLANE) if c.axial is None else
          {f"{slope:g} mrad": c.reference_life(c.rigid_at(slope=1e-3 * slope).loads) for slope in SLOPES}),
-        ("Lnmr_h", "h", "modified reference rating life Lnmr", s.REFERENCE,
-         lambda c: _not_asked("not implemented: no source for the equivalent load of a lamina"))),
+        ("Lnmr_h", "h", "modified L10r, Lnmr", s.MODIFIED_REFERENCE,
+         lambda c: in_hours(c.a1 * c.life_of_rows(c.a_iso), c.rpm)),
+        ("reliability_percent", "%", "reliability at the wanted life", s.RELIABILITY, lambda c: c.reliabilities()),
+        ("required_C_N", "N", "C for the wanted life", s.LIFE, lambda c: c.required),
+        ("required_C_over_C", "1", "that over C", s.LIFE, lambda c: c.required / c.basic.dynamic)),
     "stresses": (
         ("peak_pressure_MPa", "MPa", "largest Hertz pressure", s.HERTZ, lambda c: 1e-6 * c.peak_pressure),
         ("pressure_over_permitted", "1", "peak pressure / permitted (ISO 76)", s.STRESS_LIMITS,
@@ -518,9 +606,15 @@ BLOCKS: dict[str, tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...
         ("dissipated_run_W", "W", "power dissipated in the run", s.OF_RUN, lambda c: c.run.dissipated))}  # fmt: skip
 DECLARED = tuple((block, *row) for block, rows in BLOCKS.items() for row in rows)
 BULKY = {  # in the file and on the page only
-    "roller_loads_N", "L10r_by_misalignment_Mrev", "contacts", "stiffness_harmonics_N_per_m",
+    "factors", "roller_loads_N", "L10r_by_misalignment_Mrev", "contacts", "stiffness_harmonics_N_per_m",
     "friction_torque_palmgren_N_mm"}  # fmt: skip
-OPTION_OF = {"a_ISO": "contamination", "Lnm_h": "reliability", "lambda": "roughness", "temperature_rise_K": "width"}
+OPTION_OF = {
+    "a_ISO": "contamination",
+    "Lnm_h": "reliability",
+    "Lnmr_h": "reliability",
+    "lambda": "roughness",
+    "temperature_rise_K": "width",
+}
 
 
 class Rating(Mapping[str, Any]):
@@ -591,6 +685,25 @@ def _answer(
     return Answer(block, name, value, unit, meaning.format(weight=weight), source, reason, asked)
 
 
+def _differing(case: Case, ratio: float) -> Iterator[str]:
+    """Why L10r and L10 differ, by more than DIFFERING times."""
+    given, clearance = case.given, 2e6 * case.bearing.radial_clearance / case.bearing.cosine
+    causes = [words for there, words in (
+        (abs(clearance) >= 0.5, f"a {'clearance' if clearance > 0.0 else 'preload'} of {abs(clearance):.3g} µm"),
+        (given.tilt, f"a tilt of {1e3 * given.tilt:.3g} mrad"), (given.moment, f"a moment of {given.moment} N m"),
+        (given.axial_load, f"an axial load of {given.axial_load:.4g} N")) if there]  # fmt: skip
+    why = f", with {' and '.join(causes)}" if causes else ""
+    if ratio < 1.0 / DIFFERING:
+        yield f"L10r is {ratio:.2g} of L10: fewer elements share the load than ISO 281 assumes{why}; use L10r"
+    elif ratio > DIFFERING and case.balls:
+        yield f"L10r is {ratio:.2g} of L10: more balls share the load than ISO 281 assumes{why}; use L10r"
+    elif ratio > DIFFERING:
+        yield (
+            f"L10r is {ratio:.2g} of L10: it falls with the fourth power of a line contact's load, L10 with the power "
+            f"10/3 and a reserve for uneven pressure{why}; use L10 beside catalogues, L10r to compare designs"
+        )
+
+
 def _warnings(case: Case, values: dict[str, Any]) -> Iterator[str]:
     stiff, rated, load = values["stiffness_N_per_m"] is not None, values["C_N"], values["P_N"] or 0.0
     bearing, operation, slope = case.bearing, case.operation, 1e3 * case.operation.misalignment
@@ -604,8 +717,15 @@ def _warnings(case: Case, values: dict[str, Any]) -> Iterator[str]:
         yield f"static safety {values['s0']:.2f} is below 1: permanent dents in the raceways"
     if rated is not None and load > 0.5 * rated:
         yield "P is beyond C/2, beyond the range of ISO 281's life formula"
-    if rated is not None and 0.0 < load < 0.02 * rated:
-        yield "P is below 2 % of C: rollers may skid, and rating lives are of little use"
+    if rated is not None and 0.0 < load < (least := equivalent.least_load(rated, case.balls)):
+        elements = "balls" if case.balls else "rollers"
+        yield f"P is below {least / rated:.0%} of C: {elements} may skid, and rating lives are of little use"
+    if (limit := values["permitted_axial_load_N"]) is not None and (
+        axial := float(np.abs(case.loads[1]).max())
+    ) > limit:
+        yield f"the axial load of {axial:.4g} N is beyond {limit:.4g} N, which flanges carry for long with oil"
+    if None not in (basic := values["L10_Mrev"], shared := values["L10r_Mrev"]):
+        yield from _differing(case, shared / basic)
     if case.history is not None and not case.history.is_steady:
         yield "speed or load changes with time: stiffness, stresses and film are those at its start"
     if bearing.contact_angle and bearing.rows == 1 and stiff and case.in_plane:
@@ -631,7 +751,7 @@ def _warnings(case: Case, values: dict[str, Any]) -> Iterator[str]:
     if case.options.cycle is not None:
         yield (
             f"stiffness, stresses and film are those of the scene's load, {operation.radial_load:.4g} N, not of "
-            f"the duty cycle, whose largest load is {case.options.cycle.largest_load:.4g} N"
+            f"the duty cycle, whose largest load is {case.options.cycle.loads.max():.4g} N"
         )
     if values["kappa"] is not None and values["kappa"] < 1.0:
         yield f"κ = {values['kappa']:.2g}: mixed lubrication, surfaces touch; a higher viscosity raises κ"

@@ -20,10 +20,10 @@ class Factors(NamedTuple):
     X: float
     Y: float
 
-    def load(self, radial: float, axial: float) -> float:
+    def load(self, radial: np.ndarray, axial: float) -> np.ndarray:
         """P, N."""
         axial = abs(axial)
-        return radial + self.Y1 * axial if axial <= self.e * radial else self.X * radial + self.Y * axial
+        return np.where(axial <= self.e * radial, radial + self.Y1 * axial, self.X * radial + self.Y * axial)
 
 
 PRESSED = (0.172, 0.345, 0.689, 1.03, 1.38, 2.07, 3.45, 5.17, 6.89)  # F_a/(i Z D_w²), MPa: axial loads of the tables
@@ -72,7 +72,7 @@ STATIC_ANGLES = 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0
 STATIC_AXIAL = 0.52, 0.50, 0.46, 0.42, 0.38, 0.33, 0.29, 0.26, 0.22  # Y0 of one row
 
 
-def static_load(bearing: Bearing, radial: float, axial: float, mirrored: bool = False) -> float:
+def static_load(bearing: Bearing, radial: np.ndarray, axial: np.ndarray, mirrored: bool = False) -> np.ndarray:
     """P0 = max(X0 F_r + Y0 F_a, F_r) of ISO 76, N."""
     angle = bearing.contact_angle_deg
     if isinstance(bearing, BallBearing):
@@ -80,7 +80,7 @@ def static_load(bearing: Bearing, radial: float, axial: float, mirrored: bool = 
     else:
         x, y = (1.0, 0.0) if angle == 0.0 else (0.5, 0.22 / tan(bearing.contact_angle))
     twice = 2.0 if mirrored else 1.0
-    return max(twice * (x * radial + y * abs(axial)), radial)
+    return np.maximum(twice * (x * radial + y * np.abs(axial)), radial)
 
 
 LEAST = {True: 0.01, False: 0.02}  # load over C, of balls and of rollers

@@ -262,14 +262,17 @@ class DutyCycle:
     loads: np.ndarray
     speeds: np.ndarray
     shares: np.ndarray  # any unit; their sum is the whole
+    axial_loads: np.ndarray | None = None  # beside the loads; None: the scene's
 
     def __post_init__(self):
         columns = {"load": self.loads, "speed": self.speeds, "share of time": self.shares}
+        columns |= {} if self.axial_loads is None else {"axial load": self.axial_loads}
         if not (len(self.loads) and all(np.shape(column) == np.shape(self.loads) for column in columns.values())):
             raise ValueError("a duty cycle needs at least one step with load, speed and share of time each")
         for name, column in columns.items():
-            if not np.all(np.isfinite(column)) or (name != "speed" and np.any(column < 0.0)):
-                least = "" if name == "speed" else " of at least 0"
+            signed = name in ("speed", "axial load")
+            if not np.all(np.isfinite(column)) or (not signed and np.any(column < 0.0)):
+                least = "" if signed else " of at least 0"
                 raise ValueError(f"a duty cycle's {name} must be a number{least}")
             if not np.all((column == 0.0) | ((LEAST <= np.abs(column)) & (np.abs(column) <= MOST))):
                 raise ValueError(f"a duty cycle's {name} must be 0 or from {LEAST:g} to {MOST:g}")
@@ -286,12 +289,8 @@ class DutyCycle:
         return float(np.sum(self.turns) / np.sum(self.shares))
 
     def load(self, exponent: float = EXPONENT) -> float:
-        """P, N: the constant load of the same life, by Palmgren and Miner's sum of damage."""
+        """The constant load of the same life, N, by Palmgren and Miner's sum of damage."""
         return float((np.sum(self.turns * self.loads**exponent) / np.sum(self.turns)) ** (1.0 / exponent))
-
-    @property
-    def largest_load(self) -> float:
-        return float(np.max(self.loads))
 
 
 ROLLING = {"10": 1.12e-6, "2": 1.09e-6, "22": 1.40e-6, "3": 1.09e-6, "23": 1.48e-6}  # R1 by dimension series

@@ -1,5 +1,6 @@
 """Rows under axial load and tilting moment: reference values, energy, limits, random load cases."""
 
+import json
 from dataclasses import replace
 from math import acos, cos, pi, radians, sin, tan
 
@@ -7,6 +8,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from fem.commands.rate_bearing import rate_main
+from fem.rating.ross import read_coefficients
 from lagrange import Material, contact_laws
 from lagrange.bearing import BallBearing, Bearing, Operation, RowLoads
 from lagrange.rating.axial_load import at_rest, balanced, rows_of
@@ -208,3 +211,34 @@ def test_random_load_cases_of_all_kinds_have_one_equilibrium_from_wherever_they_
             rows = rows_of(of, GIVEN._replace(axial_load=axial, **given), laws_of(of), angles_of(of))
             again = balanced(rows, load, np.arange(5) < kept, start)
             assert again.hub == pytest.approx(found.hub, rel=1e-6, abs=1e-9), case
+
+
+@pytest.fixture(scope="module")
+def rated(tmp_path_factory):
+    """By the command: a deep-groove bearing free to tilt under both loads, with page and coefficients."""
+    folder = tmp_path_factory.mktemp("axial")
+    loads = "radial_load_N=1000 axial_load_N=1000 moment_N_m=0 gravity_m_s2=0"
+    sizes = ("type=ball rollers=7 roller_diameter_mm=11.5 pitch_diameter_mm=43.5 clearance_um=10 bore_diameter_mm=25 "
+             "dynamic_load_rating_N=23400")  # fmt: skip
+    keys = [f"operation.{load}" for load in loads.split()] + [f"bearing.{size}" for size in sizes.split()]
+    options = [option for key in keys for option in ("--set", key)]
+    assert rate_main([*options, "--output", str(folder), "--ross", str(folder / "ross.csv"), "--quiet"]) == 0
+    (file,) = folder.glob("*.json")
+    return json.loads(file.read_text(encoding="utf-8")), folder
+
+
+def test_the_command_says_where_the_hub_is_and_how_stiff(rated):
+    """MESYS' example, as above; C = 23 400 N, L10r = 1630.5 million revolutions."""
+    answers, folder = rated
+    x, y, z = answers["hub_displacement_um"]
+    assert (x, -y, z) == pytest.approx((0.0, 19.592, 146.46), rel=2e-3, abs=1e-6)
+    assert answers["hub_tilt_mrad"] == pytest.approx(2.687, rel=0.025)
+    assert answers["L10r_Mrev"] * (23_400 / answers["C_N"]) ** 3 == pytest.approx(1630.5, rel=5e-3)
+    stiffness = np.array(answers["stiffness_5x5"])
+    assert stiffness == pytest.approx(stiffness.T, rel=1e-9, abs=1.0)
+    radial = stiffness - stiffness[:, 2:] @ np.linalg.solve(stiffness[2:, 2:], stiffness[2:])
+    assert np.array(answers["stiffness_N_per_m"]) == pytest.approx(radial[:2, :2], rel=1e-9, abs=1.0)
+    assert read_coefficients(folder / "ross.csv")["kyy"] == pytest.approx(radial[1, 1], rel=1e-6)
+    assert answers["moment_on_hub_N_m"] is None
+    assert "free to tilt" in answers["reasons"]["moment_on_hub_N_m"]
+    assert "Loads of rolling elements" in (folder / "rating.html").read_text(encoding="utf-8")

@@ -39,6 +39,7 @@ POSITIONS = 16  # of the cage in a pitch, for the standard's load distribution
 INSTANTS = 2000  # of a load that changes with time
 SLOPES = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0)  # mrad
 ALLOWED_SLOPE = 4.0 / 60.0 * pi / 180.0  # rad, of cylindrical roller bearings of narrow series by makers' catalogues
+NEGLIGIBLE = 5e5  # mm/min, n d_m up to which centrifugal forces change no contact angle of balls by much (Jones)
 TO_SI = np.sqrt([1e3, 1e3, 1e3, 1e-3, 1e-3])  # of stiffnesses in mm of lengths and tilts
 PLANAR = "no axial load, tilting moment or mirrored rows in the scene"
 DIFFERING = 1.5  # of L10r and L10, either way
@@ -212,6 +213,7 @@ class Case:
     ) -> LaminaLoads:
         """The standard's load distribution, roller 0 at an angle from the load, rad.
         `slope` : rad, of the shaft, `profile` : of `rigid_loads`; None: the scene's; `load` : None: P"""
+        self.refuse_space()
         return reference_life.rigid_loads(
             self.row, self.section_load if load is None else load / load_factor(self.bearing),
             2e3 * self.bearing.radial_clearance, self.operation.misalignment if slope is None else slope,
@@ -258,12 +260,14 @@ class Case:
 
     def contact_angles(self) -> list[float]:
         """Of loaded elements, least and largest, degrees."""
+        if not self.balls:
+            raise NotAsked("rollers keep their contact angle")
         loaded = np.concatenate([np.degrees(np.abs(row.angle[row.loads > 0.0])) for row in self.in_space.rows])
         return [float(loaded.min()), float(loaded.max())] if loaded.size else _refuse("nothing is loaded")
 
     @property
     def stiffness(self) -> np.ndarray:  # of the hub in x and y, (2, 2), N/m
-        return self.pitch.mean if self.in_plane else 1e3 * self.balance.radial_stiffness
+        return self.pitch.mean if self.in_plane else 1e3 * self.balance.condensed(0, 1)
 
     def under(self, operation: Operation, elastic: bool, samples: int = SAMPLES) -> Pitch:
         """Equilibria over a pitch, by elastic rings, or rigid ones on the scene's contact law."""
@@ -733,6 +737,11 @@ def _warnings(case: Case, values: dict[str, Any]) -> Iterator[str]:
         yield (
             f"through the contact angle the radial load causes an axial force of {axial:.4g} N (Σ Q sin α), which "
             "another bearing must carry, or operation.axial_load_N"
+        )
+    if case.balls and not case.in_plane and 2e3 * bearing.pitch_radius * rpm > NEGLIGIBLE:
+        yield (
+            f"n d_m is {2e3 * bearing.pitch_radius * rpm:.2g} mm/min: beyond {NEGLIGIBLE:.0f} centrifugal forces part "
+            "the contact angles of balls, which is not computed"
         )
     if case.oscillation:
         yield f"{case.oscillation}: L10 from the mean speed is of little use, and no lubricant is drawn in"

@@ -9,8 +9,9 @@ import numpy as np
 from fem.rating.answers import Case, positive
 from fem.study.figures import LOOK, finished
 from lagrange.contact.hertz import contact_pairs
+from lagrange.kinematics import roller_angles
 from lagrange.rating.life import FRICTION, power_loss
-from lagrange.rating.reference_life import rigid_loads
+from lagrange.rating.reference_life import positions, rigid_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import Pitch
 from residual.figures import WIDTH, Drawing
@@ -28,7 +29,7 @@ def rating_figures(case: Case) -> list[Drawing]:
     """All that a scene allows."""
     found = []
     with plt.rc_context(LOOK):
-        for maker in (_clearance, _load_zone, _stiffness, _load_deflection, _life, _misalignment, _friction):
+        for maker in (_clearance, _rows, _load_zone, _stiffness, _load_deflection, _life, _misalignment, _friction):
             try:
                 found.append(maker(case))
             except Unavailable:
@@ -63,6 +64,35 @@ def _clearance(case: Case) -> Drawing:  # parts of the operating clearance, one 
     remarks = "; ".join(f"{words}: {remark}" for words, _, remark in rows if remark)
     caption = f"From unmounted to operating clearance; below 0: preload. {remarks}".strip()
     return finished(figure, "clearance", "Operating clearance", caption)
+
+
+def _rows(case: Case) -> Drawing:  # under axial load: loads around the load, and contact angles or loads along a roller
+    rows, colours = case.in_space.rows, (BLUE, ORANGE, GREEN, RED)
+    place = np.degrees(np.angle(1j * np.exp(1j * roller_angles(case.bearing, case.operation.first_roller_angle))))
+    figure, (loads, others) = plt.subplots(1, 2, figsize=(WIDTH, 2.9))
+    width = 300.0 / case.bearing.pockets / len(rows)
+    for number, (row, colour) in enumerate(zip(rows, colours, strict=False)):
+        words, at = f"row {number + 1}" if len(rows) > 1 else "", place + width * (number - 0.5 * (len(rows) - 1))
+        loads.bar(at, row.loads, width=width, color=colour, label=words)
+        if case.balls:
+            others.plot(place[row.loads > 0], np.degrees(row.angle[row.loads > 0]), "o", markersize=4, color=colour)
+            continue
+        most, x = np.argmax(row.loads), positions(case.row)
+        for contact, style in ("inner", "-"), ("outer", "--"):
+            along = getattr(row, contact)[most] / (case.row.length / x.size)
+            others.plot(x, along, style, color=colour, label=f"{words} {contact} raceway")
+    loads.set(xlabel="angle from the load, °", ylabel="load of an element, N", xlim=(-180, 180))
+    loads.set_xticks([-180, -90, 0, 90, 180])
+    if case.balls:
+        others.set(xlabel="angle from the load, °", ylabel="contact angle, °", xlim=(-180, 180))
+        others.set_xticks([-180, -90, 0, 90, 180])
+    else:
+        others.set(xlabel="along the most loaded roller, mm", ylabel="load per length, N/mm", ylim=(0, None))
+        others.legend(fontsize=7.5)
+    if len(rows) > 1:
+        loads.legend(fontsize=7.5)
+    caption = "Under radial load, axial load and moment or tilt; rigid rings, at the first angle of the cage."
+    return finished(figure, "rows", "Loads of rolling elements", caption)
 
 
 def _load_zone(case: Case) -> Drawing:  # roller loads and pressures around the load
@@ -124,6 +154,7 @@ def _load_deflection(case: Case) -> Drawing:
 
 
 def _life(case: Case) -> Drawing:
+    case.refuse_space()
     row, load, own = case.row, case.section_load, 2e3 * case.bearing.radial_clearance
     clearances = np.union1d(np.linspace(PRELOAD, PLAY, 35) * row.diameter, [own])
     curves = []

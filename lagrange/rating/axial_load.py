@@ -190,12 +190,12 @@ class Balance(NamedTuple):
         """(5, 5), N/mm, N, N mm."""
         return np.sum([row.stiffness for row in self.rows], axis=0)
 
-    @property
-    def radial_stiffness(self) -> ndarray:
-        """In x and y, (2, 2), N/mm, the hub's other free directions in balance."""
-        whole, others = self.stiffness, self.kept[2:]
-        follow = np.linalg.lstsq(whole[np.ix_(others, others)], whole[others, :2])[0]
-        return whole[:2, :2] - whole[:2, others] @ follow
+    def condensed(self, *directions: int) -> ndarray:
+        """Stiffness in some of DIRECTIONS, N/mm, N, N mm, the hub's other free ones in balance."""
+        these, others = list(directions), np.setdiff1d(self.kept, directions)
+        along = self.stiffness[:, these]
+        follow = np.linalg.lstsq(self.stiffness[np.ix_(others, others)], along[others])[0]
+        return along[these] - along[others].T @ follow
 
 
 def balanced(rows: Sequence[Row], load: ndarray, free: Sequence[bool], start: ndarray) -> Balance:

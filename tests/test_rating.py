@@ -548,7 +548,7 @@ def test_impossible_options_and_bad_duty_cycles_are_named(text, word, here, caps
 
 @pytest.mark.parametrize(("element", "name"), [
     (lambda n, kxx, cxx, frequency=None, **others: None, "frequency"),  # of ROSS 2
-    (lambda n, kxx, cxx, kzz=0, speed=None, frequency=None, **others: None, "speed"),  # of ROSS 3: frequency is the whirl's
+    (lambda n, kxx, cxx, kzz=0, speed=None, frequency=None, **others: None, "speed"),  # of ROSS 3
     (None, "speed"),  # not installed
 ], ids=["ROSS 2", "ROSS 3", "without ROSS"])  # fmt: skip
 def test_coefficients_for_rotordynamics(element, name, rated, here, monkeypatch):

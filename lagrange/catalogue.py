@@ -259,6 +259,13 @@ def bearing_keys(name: str, group: str = "CN") -> dict[str, float | int | str]:
     return {"type": "ball", **sizes} if has_balls(name) else sizes
 
 
+def ratings(name: str) -> dict[str, tuple[float, str]]:
+    """C and C0 by fields of `Basic`, N, and whose they are. KeyError: no such bearing."""
+    entry = entries()[_row_of(name)]
+    source = f"catalogue of {entry.source.replace(' ', ', ')}"
+    return {"dynamic": (1e3 * entry.dynamic, source), "static": (1e3 * entry.static, source)}
+
+
 def width_of(name: str) -> float:
     """Of its rings, mm. KeyError: no such bearing."""
     return entries()[_row_of(name)].width

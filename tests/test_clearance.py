@@ -155,7 +155,7 @@ def test_the_plan_the_report_and_the_rating_tell_the_same(here, capsys):
     assert rated["operating_clearance_um"] == pytest.approx(float(rows[-1][1]), abs=1e-3)
     assert parts["shaft_fit"] == pytest.approx(-8.0) and rated["fit_pressure_MPa"]["housing"] == 0.0
     cold = dynamic_capacity(Dimensions.of(scene().perfect_bearing()))
-    assert rated["C_N"] == pytest.approx(cold, rel=1e-12)  # not of warm, wide rings
+    assert rated["catalogue"]["C"]["ISO_N"] == pytest.approx(cold, rel=1e-12)  # not of warm, wide rings
     write_page(Path("rating.html"), rated)
     assert '<figure id="clearance">' in Path("rating.html").read_text(encoding="utf-8")
 

@@ -449,7 +449,7 @@ def test_the_command_writes_what_was_promised_and_a_page_shows_it(here, capsys):
 
 def test_numbers_of_a_worked_example(rated, monkeypatch):
     """NU206, 3000 N and the shaft's weight, 2900 1/min, 20 mm²/s."""
-    assert rated["C_N"] == pytest.approx(38_412, abs=1) and rated["kappa"] == pytest.approx(20.0 / 12.25, rel=1e-3)
+    assert rated["C_N"] == 44_000 and rated["kappa"] == pytest.approx(20.0 / 12.25, rel=1e-3)
     assert rated["L10_Mrev"] == pytest.approx(basic_life(rated["C_N"], rated["P_N"]))
     assert rated["L10_h"] == pytest.approx(rated["L10_Mrev"] * 1e6 / (60.0 * 2900.0))
     assert rated["friction_torque_N_mm"] == pytest.approx({"skf": 91.7, "palmgren": 73.5}, abs=0.2)
@@ -493,12 +493,32 @@ def test_ball_bearings_have_the_makers_ratings_and_the_life_of_balls(designation
     assert found["stiffness_N_per_m"][1, 1] > 0.0
 
 
+def test_ratings_are_those_given_or_the_makers_or_the_standards(here, capsys):
+    assert rate_main(["--bearing", "NU206"]) == 0
+    words = "C 44000 N (catalogue of SKF, Explorer), 15 % above ISO 281's 38412 N"
+    assert words in capsys.readouterr().out
+    maker = read_json("NU206-rating.json")
+    assert maker["C_N"] == 44_000 and maker["C0_N"] == 36_500 and maker["sources"]["C_N"]["source"].endswith(words)
+    assert maker["Cu_N"] == pytest.approx(36_500 / 8.2) and maker["catalogue"]["Cu"]["source"] == "ISO 281 from that C0"
+    given = "dynamic_load_rating_N=88000", "fatigue_load_limit_N=4000"
+    found = rating(scene(*(f"bearing.{key}" for key in given), "operation.radial_load_N=2000"))
+    assert (found["C_N"], found["C0_N"], found["Cu_N"]) == (88_000, 36_500, 4_000)
+    assert [each["source"] for each in found["catalogue"].values()] == ["given", "catalogue of SKF, Explorer", "given"]
+    assert found["L10_Mrev"] / maker["L10_Mrev"] == pytest.approx(2.0 ** (10 / 3))
+    assert found["L10r_Mrev"] / maker["L10r_Mrev"] == pytest.approx(2.0**4)  # of exponents 4.5 and 8/9
+    for other in ("rollers=12", "roller_length_mm=9", "rows=2", "contact_angle_deg=10"):
+        its = scene(f"bearing.{other}")
+        assert its.bearing.known_ratings == {} and its.ratings().dynamic == dynamic_capacity(
+            Dimensions.of(its.unmounted_bearing()))
+    assert scene("bearing.clearance_um=10", "bearing.rollers=13").bearing.known_ratings  # as the table has it
+
+
 def test_rows_of_balls_and_springs_in_series_and_beside():
     angle, rows = "bearing.contact_angle_deg=40", "bearing.rows=2"
     one, two, plain, flat = (rating(read_scene(None, ("bearing.designation='6205'", *more)))
                              for more in ((angle,), (angle, rows), (), (rows,)))  # fmt: skip
     assert two["C_N"] == pytest.approx(2.0**0.7 * one["C_N"]) and two["C0_N"] == pytest.approx(2.0 * one["C0_N"])
-    assert flat["C_N"] == pytest.approx(2.0**0.7 * 0.90 / 0.95 * plain["C_N"])
+    assert flat["C_N"] == pytest.approx(2.0**0.7 * 0.90 / 0.95 * plain["catalogue"]["C"]["ISO_N"])
     keys = "model=lagrange", "operation.gravity_m_s2=0"
     springs = ("support.kind=housing", "support.stiffness_N_per_m=1e8", "operation.shaft=springs",
                "operation.shaft_stiffness_N_per_m=2e7")  # fmt: skip
@@ -640,9 +660,9 @@ def test_equivalent_load_of_a_run_is_the_mean_of_its_power():
     assert found.dissipated == pytest.approx(3.0, rel=1e-9)
     assert found.torque == pytest.approx(3.0 / (2.0 * np.pi * 75.0), rel=1e-9)
     row = Dimensions.of(paper.unmounted_bearing())
-    assert found.life(row, tilts=False) > 0.0
+    assert found.life(row, dynamic_capacity(row), tilts=False) > 0.0
     with pytest.raises(Unavailable, match="loads along the rollers"):
-        found.life(row, tilts=True)
+        found.life(row, 1.0, tilts=True)
     still = read_scene(None, ("model=lagrange", "operation.outer_ring_speed_rpm=4500")).ideal_operation()
     with pytest.raises(Unavailable, match="do not turn relative to each other"):
         rl.run_loads(paper.perfect_bearing(), still, loads)

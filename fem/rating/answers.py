@@ -45,6 +45,8 @@ PLANAR = "no axial load, tilting moment or mirrored rows in the scene"
 DIFFERING = 1.5  # of L10r and L10, either way
 PLANE = "rollers do not tilt: the scene has no [axial]"
 NO_RUN = "no run: give a result file of run-fem instead of the scene"
+RATINGS = {"C": ("dynamic", "ISO 281"), "C0": ("static", "ISO 76"), "Cu": ("fatigue", "ISO 281")}
+NOTED = 0.01  # difference of a rating from the standard's, relative
 NO_FIT = "no [fit] in the scene: its clearance is assumed to include interference and temperatures"
 
 
@@ -84,7 +86,7 @@ class Case:
         )
 
     row = cached_property(lambda self: Dimensions.of(self.scene.unmounted_bearing()))
-    basic = cached_property(lambda self: Basic.of(self.scene.unmounted_bearing()))
+    basic = cached_property(lambda self: self.scene.ratings())
     basic_life = property(lambda self: life.basic_life(self.basic.dynamic, self.load, self.exponent))
     laws = cached_property(lambda self: contact_laws(self.scene.lagrange.law, self.bearing))
 
@@ -464,6 +466,18 @@ class Case:
 
     reference_load = property(lambda self: self.basic.dynamic / self.rigid_life ** (1.0 / self.exponent))  # N
 
+    @cached_property
+    def catalogue(self) -> dict[str, dict[str, Any]]:  # C, C0 and C_u, N, where each comes from, and the standard's
+        known, iso, found = self.scene.bearing.known_ratings, Basic.of(self.scene.unmounted_bearing()), {}
+        for letter, (name, standard) in RATINGS.items():
+            value, own, words = getattr(self.basic, name), getattr(iso, name), ""
+            source = known[name][1] if name in known else standard if value == own else f"{standard} from that C0"
+            if abs(off := value / own - 1.0) > NOTED:
+                off_by = f"{100.0 * abs(off):.0f} % {'above' if off > 0.0 else 'below'} {standard}'s {own:.0f} N"
+                words = f"{letter} {value:.0f} N ({source}), {off_by}"
+            found[letter] = {"value_N": value, "source": source, "ISO_N": own, "words": words}
+        return found
+
 
 def _refuse(reason: str) -> Any:
     raise Unavailable(reason)
@@ -518,6 +532,7 @@ BLOCKS: dict[str, tuple[Row, ...]] = {
         ("C_N", "N", "basic dynamic load rating C", s.DYNAMIC, lambda c: c.basic.dynamic),
         ("C0_N", "N", "basic static load rating C0", s.STATIC, lambda c: c.basic.static),
         ("Cu_N", "N", "fatigue load limit C_u", s.FATIGUE, lambda c: c.basic.fatigue),
+        ("catalogue", "", "origin of these ratings", s.KNOWN, lambda c: c.catalogue),
         ("operating_clearance_um", "µm", "diametral clearance in operation", s.CLEARANCE,
          lambda c: sum(part for part in c.clearance_parts.values() if part is not None)),
         ("operating_clearance_parts_um", "µm", "of that", s.CLEARANCE, lambda c: c.clearance_parts),
@@ -555,7 +570,8 @@ BLOCKS: dict[str, tuple[Row, ...]] = {
         *_life("L10r", "L10r, rigid rings", s.REFERENCE, lambda c: c.rigid_life),
         *_life("L10r_pitch", "L10r, rigid rings, over a pitch", s.REFERENCE, lambda c: c.pitch_life),
         *_life("L10r_elastic", "L10r, elastic rings, over a pitch", s.LOAD_SHARING, lambda c: c.elastic_life),
-        *_life("L10r_run", "L10r, roller loads of the run", s.OF_RUN, lambda c: c.run.life(c.row, c.axial is not None)),
+        *_life("L10r_run", "L10r, roller loads of the run", s.OF_RUN,
+               lambda c: c.run.life(c.row, c.basic.dynamic, c.axial is not None)),
         ("L10r_by_misalignment_Mrev", "Mrev", "L10r, rigid rings, by misalignment", s.REFERENCE,
          lambda c: _not_asked(PLANE) if c.axial is None else
          {f"{slope:g} mrad": c.reference_life(c.rigid_at(slope=1e-3 * slope).loads) for slope in SLOPES}),
@@ -610,7 +626,7 @@ BLOCKS: dict[str, tuple[Row, ...]] = {
         ("dissipated_run_W", "W", "power dissipated in the run", s.OF_RUN, lambda c: c.run.dissipated))}  # fmt: skip
 DECLARED = tuple((block, *row) for block, rows in BLOCKS.items() for row in rows)
 BULKY = {  # in the file and on the page only
-    "factors", "roller_loads_N", "L10r_by_misalignment_Mrev", "contacts", "stiffness_harmonics_N_per_m",
+    "catalogue", "factors", "roller_loads_N", "L10r_by_misalignment_Mrev", "contacts", "stiffness_harmonics_N_per_m",
     "friction_torque_palmgren_N_mm"}  # fmt: skip
 OPTION_OF = {
     "a_ISO": "contamination",
@@ -682,6 +698,9 @@ def _answer(
     value, reason, asked = None, "", True
     try:
         value = compute(case)
+        if RATINGS.get(name.removesuffix("_N"), ("",))[0] in case.scene.bearing.known_ratings:
+            own = case.catalogue[name.removesuffix("_N")]
+            source = Source(own["source"].partition(" of ")[0], own["words"] or own["source"])
     except Unavailable as error:
         reason, option = str(error), OPTION_OF.get(name)
         given = option is not None and getattr(case.options, option) != Options._field_defaults[option]

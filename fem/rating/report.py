@@ -67,6 +67,7 @@ def print_rating(rating: Rating) -> None:
     console.print(f"Rating of {shown(rating.name)}", style="italic", markup=False)
     console.print(table)
     lines = [f"defaults: {rating.scene.assumed}"] if rating.scene.assumed else []
+    lines += [of["words"] for of in (rating["catalogue"] or {}).values() if of["words"]]
     lines.append("† some constants taken from secondary sources, see the JSON file")
     lines += [f"not computed: {', '.join(names)}: {shown(reason)}" for reason, names in missing.items()]
     for line in (*lines, *(f"warning: {shown(warning)}" for warning in rating.warnings)):
@@ -82,7 +83,7 @@ def write_page(path: Path, rating: Rating) -> None:
     for a in rating.answers.values():
         if a.value is not None and not isinstance(a.value, dict):
             rows.append((a.meaning, in_words(a), str(a.source)))
-        elif a.value is not None and a.name != "contacts":
+        elif a.value is not None and a.name not in ("contacts", "catalogue"):
             for name, part in a.value.items():
                 value = "not in the scene" if part is None else f"{part:.4g} {a.unit}"
                 parts.append((f"{a.meaning}, {name.replace('_', ' ')}", value, str(a.source)))

@@ -16,7 +16,7 @@ from lagrange.bearing import CORE
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError, exceeds
 from lagrange.kinematics import kinematics_met, roller_angles
-from lagrange.rating.life import Basic, speed_warning
+from lagrange.rating.life import speed_warning
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene
@@ -242,7 +242,7 @@ def _light(scene, bearing, operation):
     if acting.radial_load_N == 0.0 or bearing.radial_clearance < 0.0 or operation.history is not None:
         return None
     try:
-        rating = Basic.of(scene.unmounted_bearing()).static
+        rating = scene.ratings().static
     except Unavailable:
         return None
     if acting.radial_load_N + acting.inner_ring_and_shaft_kg * acting.gravity_m_s2 >= LIGHTEST * rating:

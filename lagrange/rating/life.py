@@ -150,8 +150,16 @@ class Basic(NamedTuple):
     pitch: float  # D_pw
 
     @classmethod
-    def of(cls, bearing: Bearing) -> "Basic":
-        """Unavailable: not complete or not of steel; of balls, grooves wider than the standard rates."""
+    def of(cls, bearing: Bearing, **known: float) -> "Basic":
+        """By ISO 281 and ISO 76, or as `known` by fields; C_u follows C0.
+
+        Unavailable: not complete or not of steel; of balls, grooves wider than the standard rates."""
+        found = cls._by_standards(bearing)
+        share = known.get("static", found.static) / found.static
+        return found._replace(**{"fatigue": share * found.fatigue} | known)
+
+    @classmethod
+    def _by_standards(cls, bearing):
         if not isinstance(bearing, BallBearing):
             row = Dimensions.of(bearing)
             fatigue = fatigue_load_limit(row)

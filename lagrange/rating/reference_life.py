@@ -14,7 +14,7 @@ from numpy import ndarray
 from lagrange.axial.slices import Slices, centres, logarithmic_drop
 from lagrange.bearing import BallBearing, Bearing, Operation, load_factor
 from lagrange.contact.laws import PowerLaw
-from lagrange.rating.life import REDUCTION, Dimensions, DutyCycle, dynamic_capacity
+from lagrange.rating.life import REDUCTION, Dimensions, DutyCycle
 from lagrange.rating.sources import Unavailable
 
 LAMINAE = 40  # n_s; the standard asks for 30 at least
@@ -197,12 +197,12 @@ class RunLoads(NamedTuple):
             raise Unavailable("the bearing does not turn")
         return self.dissipated / abs(self.speed)
 
-    def life(self, row: Dimensions, tilts: bool) -> float:
-        """L10r, 10⁶ revolutions, under these roller loads. Unavailable: rollers tilt, or as in `reference_life`."""
+    def life(self, row: Dimensions, capacity: float, tilts: bool) -> float:
+        """L10r, 10⁶ revolutions, under these roller loads, by C, N. Unavailable: rollers tilt, or no load."""
         if tilts:
             raise Unavailable("with [axial] life goes by loads along the rollers, of which a run keeps sum and moment")
         inner, outer = (shared_out(row, loads) for loads in (self.inner, self.outer))
-        return reference_life(row, dynamic_capacity(row), inner, outer, turning=self.turning)
+        return reference_life(row, capacity, inner, outer, turning=self.turning)
 
 
 def run_loads(bearing: Bearing, operation: Operation, samples: Mapping[str, ndarray]) -> RunLoads:

@@ -34,6 +34,7 @@ _RECALLED = "constants not compared with the source"
 DYNAMIC = Source("ISO 281",
     "2007, C = b_m f_c (i L_we cos α)^(7/9) Z^(3/4) D_we^(29/27), b_m = 1.1; f_c by ISO/TR 1281-1 (34); of balls "
     "1.3 f_c (i cos α)^0.7 Z^(2/3) D_w^1.8", f"{_ONE}; b_m not compared with the source")
+KNOWN = Source("as stated", "C and C0 as given or by the maker's catalogue; C_u by ISO 281 from that C0, or given")
 STATIC = Source("ISO 76",
     "2006, C0 = 44 (1 − D_we cos α/D_pw) i Z L_we D_we cos α; of balls f_0 i Z D_w² cos α; s0 = C0/P0, P0 = F_r",
     _RECALLED)

@@ -15,7 +15,7 @@ from pydantic import Field
 
 from lagrange.axial.slices import Axial, Profile
 from lagrange.bearing import Bearing, Cage, Guidance, Material, room_between_rollers
-from lagrange.catalogue import SHAFT_WIDTHS, bearing_keys, has_balls, instead, listed, steel_ring_and_shaft
+from lagrange.catalogue import SHAFT_WIDTHS, bearing_keys, has_balls, instead, listed, ratings, steel_ring_and_shaft
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import exceeds
 from lagrange.files.tables import rising
@@ -34,6 +34,7 @@ USUAL_MASS = 0.078  # kg, of the paper's inner ring and shaft
 # groove radius over ball diameter to which ISO 281 rates deep-groove bearings
 USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
 FOLLOWS = "; default with an inner raceway or a pitch"  # of which the paper's rings are none
+OF_ROLLERS = {"rollers", "roller_diameter_mm", "roller_length_mm"}  # by which a bearing is a maker's
 CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm", "contact_angle_deg")  # and the outer raceway
 STEEL_DENSITY = 7850.0
 Modulus = Annotated[float, Field(ge=0.1, le=2000.0)]
@@ -162,6 +163,19 @@ class BearingTable(Table):
         """Diametral, mm."""
         across = (self.outer_raceway_diameter_mm - self.inner_raceway_diameter_mm) / self.cosine
         return round(across - 2.0 * self.roller_diameter_mm, ROUNDED)
+
+    @property
+    def known_ratings(self) -> dict[str, tuple[float, str]]:
+        """C, C0 and C_u by fields of `Basic`, N, and where they come from: given, or the maker's of this very bearing.
+
+        A standard bearing with other rollers, more rows or a contact angle is no longer its maker's."""
+        found, known = listed(self.designation), dict[str, tuple[float, str]]()
+        if found is not None and self.rows == 1 and self.contact_angle_deg == 0.0 and all(
+                getattr(self, name) == size for name, size in bearing_keys(*found).items() if name in OF_ROLLERS):
+            known = ratings(found[0])
+        given = {"dynamic": self.dynamic_load_rating_N, "static": self.static_load_rating_N,
+            "fatigue": self.fatigue_load_limit_N}
+        return known | {name: (value, "given") for name, value in given.items() if value is not None}
 
     RULES: ClassVar[tuple[Rule, ...]] = (
         (lambda t: t.designation is not None and listed(t.designation) is None and instead(t.designation, ITS_SIZES),

@@ -18,6 +18,7 @@ from lagrange.files.input import LARGEST_FILE, digest, plain_text
 from lagrange.fits import OperatingClearance, growths, in_operation, operating_clearance
 from lagrange.kinematics import kinematics
 from lagrange.mounting import Mounting, Sensor
+from lagrange.rating.life import Basic
 from lagrange.scene import bearing as bearings
 from lagrange.scene import faults, run
 from lagrange.scene.checks import COMBINATIONS
@@ -276,6 +277,10 @@ class Scene(Table):
         """The operating point in SI, of the bearing's section."""
         operation = replace(self.operation.ideal(), mounting=self._mounting())
         return section_operation(self.perfect_bearing(), operation)
+
+    def ratings(self) -> Basic:
+        """C, C0 and C_u: given, else the maker's, else those of the standards. Unavailable."""
+        return Basic.of(self.unmounted_bearing(), **{n: value for n, (value, _) in self.bearing.known_ratings.items()})
 
     def row_loads(self) -> RowLoads:
         """Axial load, moment and tilt of the rows at rest, in SI."""

@@ -287,8 +287,13 @@ def at_rest(
     except Unavailable:
         if angle == 0.0:
             raise
+    radial, name = float(np.hypot(*force)), f"at {bearing.contact_angle_deg:.4g}°"
+    if given.arrangement is not None or exceeds(abs(given.axial_load), radial * tan(angle)):
+        raise Unavailable(
+            f"a row {name} slides open under this tilt or moment; lower it, raise the axial load or the preload, or "
+            "choose another bearing.arrangement"
+        )
     raise Unavailable(
-        f"the row slides open along the axis: at {bearing.contact_angle_deg:.4g}° a radial load of "
-        f"{np.hypot(*force):.0f} N needs an axial load of {np.hypot(*force) * tan(angle):.0f} N at least; "
-        "raise operation.axial_load_N, or give bearing.arrangement with rows = 2"
+        f"the row slides open along the axis: {name} a radial load of {radial:.0f} N needs an axial load of "
+        f"{radial * tan(angle):.0f} N at least; raise operation.axial_load_N, or give bearing.arrangement with rows = 2"
     )

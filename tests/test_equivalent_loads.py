@@ -1,16 +1,20 @@
 """Equivalent loads, reliability and reference lives against catalogues, worked examples and other programs."""
 
-from math import cos, radians, tan
+from math import atan, cos, degrees, radians, tan
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq, root
 from scipy.special import ellipe, ellipk
 
+from fem.commands.rate_bearing import rate_main
+from fem.interface import rating
+from fem.rating.answers import Options, values_of
 from lagrange.rating import equivalent, life
 from lagrange.rating import reference_life as rl
-from lagrange.rating.life import Dimensions
+from lagrange.rating.life import Dimensions, DutyCycle
 from lagrange.scene.scene import read_scene
+from tests.reference.kit import read_json, sets
 
 ROW = Dimensions(rollers=13, diameter=10.0, length=10.0, pitch=46.0)
 
@@ -178,3 +182,141 @@ def test_modified_lives_of_laminae_weigh_each_by_its_own_load():
     tilted = rl.rigid_loads(ROW, 2000.0, tilt=4e-3).loads
     short = rl.reference_life(ROW, capacity, tilted, a_iso=lambda load: 1.0 + 2000.0 / load)
     assert short < found and short > rl.reference_life(ROW, capacity, tilted)
+
+
+def listed(name):
+    return f"bearing.designation='{name}'"
+
+
+def sized(pitch, angle, elements, diameter, more="", width=15.0):
+    of_elements = f"rollers={elements},roller_diameter_mm={diameter},roller_length_mm={width}"
+    of_rings = f"contact_angle_deg={angle},bore_diameter_mm={pitch / 2},outside_diameter_mm={1.6 * pitch}"
+    return f"bearing={{pitch_diameter_mm={pitch},{of_elements},{of_rings}{more}}}"
+
+
+def tapered(pitch, e):  # its angle by e = 1.5 tan α, as catalogues have it
+    return sized(pitch, degrees(atan(e / 1.5)), 16, 0.14 * pitch)
+
+
+def angular(pitch, angle, elements, diameter, pair=False):
+    of_pair = ",rows=2,arrangement='back_to_back',row_distance_mm=15" if pair else ""
+    return sized(pitch, angle, elements, diameter, f",type='ball'{of_pair}")
+
+
+NSK, NTN, SKF = "E1102, 5.7", "2202, 4.6", "catalogue 10000"
+WORKED = (  # designation, scene, C, C0, F_r, F_a, N; n, 1/min; P, N; hours and how they are printed; source
+    ("6208", listed("6208"), 29_100, 17_900, 2500, 0, 900, 2500, 29_000, 1e-2, f"NSK {NSK}, example 1"),
+    ("6208", listed("6208"), 29_100, 17_900, 2500, 1000, 900, 3070, 15_800, 1e-2, f"NSK {NSK}, example 3"),
+    ("6208", listed("6208"), 29_100, 17_800, 3200, 0, 650, 3200, 19_000, 2e-2, f"NTN {NTN}, example 1, nomogram"),
+    ("6309", listed("6309"), 55_300, 31_500, 10_000, 0, 3000, 10_000, 940, 1e-3, f"SKF {SKF}, example 1"),
+    ("6309", listed("6309"), 55_300, 31_500, 4000, 500, 1800, 4000, 24_500, 2e-3, "SKF Bearing Calculator, 2015"),
+    ("HR30305DJ", tapered(44, 0.6 / 0.73), 38_000, 40_000, 1569, 3474, 600, 3164, 109_750, 1e-2, f"NSK {NSK}, ex. 5a"),
+    ("HR30206J", tapered(47, 0.38), 43_000, 47_500, 3931, 0, 600, 3931, 80_400, 1e-2, f"NSK {NSK}, ex. 5b"),
+    ("4T-32206", tapered(47, 0.37), 54_500, 63_000, 5980, 0, 2000, 5980, 13_200, 3e-3, f"NTN {NTN}, example 4, 1"),
+    ("4T-32205", tapered(40, 0.375), 42_000, 48_000, 4180, 1870, 2000, 4660, 12_700, 5e-3, f"NTN {NTN}, ex. 4, 2"),
+    ("NUP312", listed("NUP312"), 124_000, 126_000, 10_000, 0, 2000, 10_000, 36_770, 5e-3, f"NTN {NTN}, ex. 6: f_h"),
+)  # fmt: skip
+LISTED = (  # designation, scene, C, C0; F_r, F_a; P by the maker's printed factors; P0; where
+    ("6205", listed("6205"), 14_000, 7850, 1000, 500, 0.56 * 1000 + 1.59 * 500, 1000, "NTN B-10, f0 13.9"),
+    ("6306", listed("6306"), 26_700, 15_000, 1000, 3000, 0.56 * 1000 + 1.23 * 3000, 2100, "NTN B-10, f0 13.3"),
+    ("7208B", angular(60, 40, 13, 11.9), 32_000, 23_000, 1000, 3000, 2060, 1280, "NTN B-46, 40°"),
+    ("7208B", angular(60, 40, 13, 11.9), 32_000, 23_000, 1000, 1100, 1000, 1000, "NTN B-46, F_a < 1.14 F_r"),
+    ("7304B", angular(36, 40, 10, 9.5), 17_300, 9650, 500, 2000, 175 + 0.57 * 2000, 770, "NTN B-44, 40°"),
+    ("7305", angular(44, 30, 11, 11.5), 26_400, 15_800, 1000, 2000, 390 + 0.76 * 2000, 1160, "NTN B-44, 30°"),
+    ("7308DB", angular(65, 30, 12, 15.9, True), 79_500, 66_000, 5000, 2000, 6560, 6320, "NTN, pair, 30°"),
+    ("7308BDB", angular(65, 40, 12, 15.9, True), 73_000, 60_000, 1000, 2000, 2430, 2040, "NTN, pair, 40°"),
+    ("B7012C", angular(77.5, 15, 18, 11.1), 39_000, 33_500, 500, 2000, 220 + 1.26 * 2000, 1170, "f0 15.4"),
+    ("NU205", listed("NU205"), 32_500, 27_000, 2000, 0, 2000, 2000, "SKF ECP"),
+    ("NU304", listed("NU304"), 35_500, 26_000, 3000, 0, 3000, 3000, "SKF ECP"),
+    ("NJ204", listed("NJ204"), 28_500, 22_000, 2000, 800, 0.92 * 2000 + 0.6 * 800, 2000, "SKF ECP"),
+    ("NJ2204", listed("NJ2204"), 34_500, 27_500, 2000, 800, 0.92 * 2000 + 0.4 * 800, 2000, "SKF ECP"),
+    ("NJ2304", listed("NJ2304"), 47_500, 38_000, 2000, 600, 2000, 2000, "SKF ECP, F_a = e F_r"),
+    ("NUP312", listed("NUP312"), 124_000, 126_000, 9000, 3000, 0.92 * 9000 + 0.6 * 3000, 9000, "SKF's formula"),
+    ("30206", tapered(47, 0.37), 40_200, 44_000, 2000, 3000, 0.4 * 2000 + 1.6 * 3000, 1000 + 0.9 * 3000, "SKF J2/Q"),
+    ("30304", tapered(37, 0.30), 34_100, 32_500, 2000, 3000, 0.4 * 2000 + 2.0 * 3000, 1000 + 1.1 * 3000, "SKF J2/Q"),
+    ("32205B", tapered(40, 0.57), 35_800, 44_000, 2000, 3000, 0.4 * 2000 + 1.05 * 3000, 1000 + 0.6 * 3000, "SKF BJ2/Q"),
+    ("33205", tapered(40, 0.35), 47_300, 56_000, 2000, 3000, 0.4 * 2000 + 1.7 * 3000, 1000 + 0.9 * 3000, "SKF /Q"),
+)  # fmt: skip
+
+
+def rated(scene, dynamic, static, radial, axial, rpm=1000.0):
+    acting = {"speed_rpm": rpm, "radial_load_N": radial, "axial_load_N": axial, "gravity_m_s2": 0}
+    keys = {"bearing.dynamic_load_rating_N": dynamic, "bearing.static_load_rating_N": static, "model": "lagrange"}
+    keys |= {f"operation.{name}": value for name, value in acting.items() if value != 0 or name == "gravity_m_s2"}
+    scene = read_scene(None, (scene, *(f"{name}={value}" for name, value in keys.items())))
+    return values_of(scene, ("C_N", "C0_N", "P_N", "P0_N", "L10_Mrev", "L10_h"))
+
+
+@pytest.mark.parametrize("row", WORKED, ids=lambda row: row[-1])
+def test_lives_of_makers_worked_examples(row):
+    """Lives to the printed digits, or as far as the makers' nomograms go; NTN prints 24 000 h for its roller bearing of
+    f_h = 3.63, by the exponent of balls."""
+    _, scene, dynamic, static, radial, axial, rpm, load, hours, printed, _ = row
+    found = rated(scene, dynamic, static, radial, axial, rpm)
+    assert (found["C_N"], found["C0_N"]) == (dynamic, static)
+    assert found["P_N"] == pytest.approx(load, rel=2e-3)
+    assert found["L10_h"] == pytest.approx(hours, rel=printed)
+
+
+@pytest.mark.parametrize("row", LISTED, ids=lambda row: f"{row[0]}, {row[-1]}")
+def test_equivalent_loads_by_factors_of_makers_tables(row):
+    """Factors as far as the tables print them; the makers' ratings and lives (C/P)^p of them."""
+    name, scene, dynamic, static, radial, axial, load, at_rest, _ = row
+    found = rated(scene, dynamic, static, radial, axial)
+    assert (found["C_N"], found["C0_N"]) == (dynamic, static)
+    assert found["P_N"] == pytest.approx(load, rel=1.5e-2) and found["P0_N"] == pytest.approx(at_rest, abs=0.05 * axial)
+    exponent = 3.0 if name[0] in "67B" else 10.0 / 3.0
+    assert found["L10_Mrev"] == pytest.approx((dynamic / found["P_N"]) ** exponent)
+
+
+def test_a_wanted_life_has_its_reliability_and_the_capacity_that_it_needs(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    keys = sets("operation={radial_load_N=3000,axial_load_N=1600,speed_rpm=1500,gravity_m_s2=0}", "model=lagrange")
+    given = ["--bearing", "NUP206", "--life", "20000", "--reliability", "98.5", "--viscosity", "20"]
+    assert rate_main([*given, *keys]) == 0
+    (file,), printed = tmp_path.glob("*-rating.json"), capsys.readouterr().out
+    found, a1 = read_json(file), life.reliability_factor(98.5)
+    assert found["P_N"] == pytest.approx(0.92 * 3000 + 0.6 * 1600) and found["factors"]["Y"] == 0.6
+    assert found["a1"] == pytest.approx(a1) and 0.25 < a1 < 0.37
+    wanted = 20_000 * 60 * 1500 / 1e6
+    ratios = {"L10": wanted / found["L10_Mrev"], "L10m": wanted / found["L10_Mrev"] / found["a_ISO"]}
+    assert found["reliability_percent"] == pytest.approx({name: life.reliability(x) for name, x in ratios.items()})
+    assert found["required_C_N"] == pytest.approx(found["P_N"] * (wanted / a1) ** 0.3)
+    assert found["required_C_over_C"] == pytest.approx(found["required_C_N"] / found["C_N"])
+    assert found["Ln_h"] == pytest.approx(a1 * found["L10_h"])
+    for name in ("L10", "L10r"):
+        assert found[f"{name}_h"] == pytest.approx(found[f"{name}_Mrev"] * 1e6 / 60 / 1500)
+    assert found["reference_load_N"] == pytest.approx(found["C_N"] / found["L10r_Mrev"] ** 0.3)
+    assert 1.0 < found["Lnmr_h"] / found["L10r_h"] / a1 <= 50.0
+    assert found["permitted_axial_load_N"] == pytest.approx(1500.0)
+    assert "1600 N is beyond 1500 N, which flanges carry" in printed and "reliability at the wanted life" in printed
+    assert rate_main(["--life", "0"]) == 2 and "--life 0: must be above 0" in capsys.readouterr().err
+
+
+def test_steps_of_a_duty_cycle_have_their_own_equivalent_loads(tmp_path, monkeypatch):
+    """Of one step as steadily; of two Palmgren and Miner's mean of each one's P; none: the scene's axial load."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "c.csv").write_text("load_kN,axial_load_N,speed_rpm,share\n2,1500,900,1\n3,-200,600,3\n")
+    assert rate_main(["--bearing", "6208", "--cycle", "c.csv", "--quiet", "--set", "model=lagrange"]) == 0
+    (file,) = tmp_path.glob("*-rating.json")
+    found, keys = read_json(file), ("bearing.designation='6208'", "model=lagrange", "operation.gravity_m_s2=0")
+    steady = read_scene(None, (*keys, "operation.radial_load_N=2000", "operation.axial_load_N=1500"))
+    of_first = values_of(steady, ("P_N", "P0_N"))
+    assert found["P_N"] == pytest.approx(((900 * of_first["P_N"] ** 3 + 1800 * 3000.0**3) / 2700) ** (1 / 3))
+    assert found["P0_N"] == 3000.0 and found["reasons"]["factors"] == "they differ from step to step"
+    assert "a duty cycle that has axial ones" in found["reasons"]["L10r_Mrev"]
+    steps = {"speeds": np.array([900.0]), "shares": np.ones(1), "loads": np.array([2000.0])}
+    assert rating(steady, Options(cycle=DutyCycle(**steps)))["P_N"] == pytest.approx(of_first["P_N"])
+    with pytest.raises(ValueError, match="axial load must be a number"):
+        DutyCycle(**steps, axial_loads=np.array([np.nan]))
+
+
+@pytest.mark.parametrize(("settings", "words"), [
+    (("bearing.designation=NU206", "operation.radial_load_N=1000"), ["of L10: it falls with the fourth power", "µm"]),
+    (("bearing.designation='6208'", "bearing.clearance_um=60", "operation.radial_load_N=300"),
+     ["fewer elements share the load", "a clearance of 60 µm; use L10r"]),
+    (("bearing.designation='6208'", "bearing.clearance_um=-5", "operation.radial_load_N=3000"), []),
+])  # fmt: skip
+def test_why_reference_and_basic_lives_differ_is_one_sentence(settings, words):
+    found = [each for each in rating(read_scene(None, (*settings, "model=lagrange"))).warnings if "L10r is" in each]
+    assert len(found) == bool(words) and all(word in found[0] for word in words)

@@ -226,7 +226,7 @@ class Case:
     @cached_property
     def balance(self) -> Balance:  # of rows on rigid rings at the first angle, under axial load and moment
         if self.in_plane:
-            force = np.array([0.0, -self.load])
+            force = np.array([0.0, -self.radial_mean])
         elif self.mounting.shaft is not None:
             raise Unavailable(
                 "the shaft's springs are those of the plane: not with axial load, moment or mirrored rows"
@@ -455,6 +455,8 @@ class Case:
             raise Unavailable("[support]: the outer ring bends, and L10r assumes rigid rings")
         if self.oscillation:
             raise Unavailable(f"{self.oscillation}: no ring turns relative to the load, which L10r assumes")
+        if self.cycle is not None and self.loads[1].any():
+            raise Unavailable("L10r is that of steady loads: not with a duty cycle that has axial ones")
 
     def reference_life(
         self, inner: np.ndarray, outer: np.ndarray | None = None, a_iso: Callable[[float], float] | None = None
@@ -564,6 +566,9 @@ BLOCKS: dict[str, tuple[Row, ...]] = {
     "lives": (
         *_life("L10", "basic rating life L10", s.LIFE, lambda c: c.basic_life),
         ("a1", "1", "reliability factor a1", s.RELIABILITY, lambda c: c.a1),
+        ("Ln_h", "h", "life a1 L10 of that reliability", s.RELIABILITY,
+         lambda c: _not_asked("no other reliability than that of L10") if c.options.reliability == 90.0
+         else in_hours(c.a1 * c.basic_life, c.rpm)),
         ("e_C", "1", "contamination factor e_C", s.CONTAMINATION, lambda c: c.contamination),
         ("a_ISO", "1", "life modification factor a_ISO", s.A_ISO, lambda c: c.a_iso(c.load)),
         ("Lnm_h", "h", "modified rating life Lnm", s.A_ISO, lambda c: in_hours(c.a1 * c.modified_life, c.rpm)),

@@ -509,8 +509,7 @@ def test_ratings_are_those_given_or_the_makers_or_the_standards(here, capsys):
     for other in ("rollers=12", "roller_length_mm=9", "rows=2", "contact_angle_deg=10"):
         its = scene(f"bearing.{other}")
         assert its.bearing.known_ratings == {} and its.ratings().dynamic == dynamic_capacity(
-            Dimensions.of(its.unmounted_bearing())
-        )
+            Dimensions.of(its.unmounted_bearing()))
     assert scene("bearing.clearance_um=10", "bearing.rollers=13").bearing.known_ratings  # as the table has it
 
 

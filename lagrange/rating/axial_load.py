@@ -10,8 +10,9 @@ gradient is what the rows carry, whose second derivative is their stiffness.
 * Cylindrical rollers between two flanges: a rigid flange tilts the rollers that it meets by its own axial displacement
   over the arm of both flanges' forces, until the laminae at both raceways bear that couple.
 
-The moment has the radius of the inner groove's centres where the standard has half the pitch diameter: so the stiffness
-is symmetric. Left out: centrifugal forces and gyroscopic moments of balls, the rib of tapered rollers.
+Tilts move the contacts of balls at half the pitch diameter, as the standard's moment has it, and not at the centres of
+the inner groove, 1 % farther out. Left out: centrifugal forces and gyroscopic moments of balls, the rib of
+tapered rollers.
 
 Source: ISO/TS 16281:2008; Harris, Rolling Bearing Analysis (4th ed. 2001), chapter 7.
 """
@@ -89,16 +90,9 @@ class BallRow(Row):
     """Balls in grooves."""
 
     span: float  # A
-    inner_groove: float  # its radius
-
-    @property
-    def free_angle(self) -> float:
-        """cos α₀ = (1 − s/2A) cos α: the contact angle where the row closes without load; 0 of a preload at α = 0."""
-        return float(np.arccos(min((1.0 - self.gap / self.span) * cos(self.angle), 1.0)))
 
     def at(self, hub: ndarray) -> Reaction:
-        radius = self.pitch + (self.inner_groove - 0.5 * self.diameter) * cos(self.free_angle)
-        motion, start = self.motion(radius, self.middle)[:, 0], self.span - self.gap
+        motion, start = self.motion(self.pitch, self.middle)[:, 0], self.span - self.gap
         across = motion @ hub + [start * cos(self.angle), start * sin(self.angle) + self.shift]
         length = np.hypot(*across.T)
         normal = across / length[:, None]
@@ -247,12 +241,12 @@ def rows_of(
         inner, outer = laws
         assert isinstance(inner, PowerLaw)
         assert isinstance(outer, PowerLaw)
-        n, grooves = inner.exponent, 1e3 * np.array([bearing.inner_groove_radius, bearing.outer_groove_radius])
+        n, span = inner.exponent, 1e3 * (bearing.inner_groove_radius + bearing.outer_groove_radius) - diameter
         both = (inner.stiffness ** (-1.0 / n) + outer.stiffness ** (-1.0 / n)) ** -n
-        law, span = replace(inner, stiffness=both * 1e-3**n), float(grooves.sum()) - diameter
+        law = replace(inner, stiffness=both * 1e-3**n)
         if not exceeds(span, same["gap"]):
             raise Unavailable("the clearance is as wide as the grooves are apart: balls reach their edges")
-        row = BallRow(**same, law=law, span=span, inner_groove=grooves[0])
+        row = BallRow(**same, law=law, span=span)
     else:
         slices = laminae_of(Dimensions.of(bearing), drop)
         same |= {"law": slices.law, "along": slices.place, "drop": slices.drop}

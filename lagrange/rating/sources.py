@@ -66,8 +66,7 @@ MODIFIED_REFERENCE = Source("ISO 16281",
 LOAD_SHARING = Source("ISO/TS 16281", "2008 (58) to (65) with the roller loads of elastic rings", _PROGRAMS)
 TILTED = Source("balance", "of hub and tilted rollers in slices, linearised at the operating point")
 IN_SPACE = Source("ISO/TS 16281",
-    "2008, balls at their own contact angles, rollers in laminae; rings rigid, at the first angle; moments about "
-    "the centres of the inner groove, not by half the pitch diameter", _PROGRAMS)
+    "2008, balls at their own contact angles, rollers in laminae; rings rigid, at the first angle", _PROGRAMS)
 HERTZ = Source("Hertz", "Johnson, Contact Mechanics (1985), 4.2: line contact, stress below (4.49); balls (4.24)")
 STRESS_LIMITS = Source("ISO 76, ISO 281", "4000 MPa, of balls 4200 MPa, at C0; 1500 MPa at C_u", _RECALLED)
 FILM = Source("Dowson, Higginson", "1968, h = 2.65 R U^0.70 G^0.54 W^−0.13; λ = h/rms roughness", "book not read")

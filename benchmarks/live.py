@@ -1,7 +1,8 @@
 """What the live page takes: `python -m benchmarks.live`.
 
 Processor time of the player for a second of the page in real time, and of a frame; then frames a second and the pace
-reached in a headless browser that draws without a graphics card, on this machine as busy as it is. Makes docs/live.png.
+reached in a headless browser that draws without a graphics card, on this machine as busy as it is. Makes docs/live.png
+and docs/live_ratings.png.
 """
 
 import asyncio
@@ -24,6 +25,7 @@ SCENES = {
     "paper": (), "clearance 40 µm": ("bearing.outer_raceway_diameter_mm=56.04",), "spall 1 mm": ("spall.0.width_mm=1",),
 }  # fmt: skip
 PACES = (1.0, 10.0, 50.0)
+RATED = {"designation": "6206", "rated-axial_load_N-typed": "1000", "rated-viscosity_mm2_s-typed": "20"}  # of a picture
 TURNS = 9
 WARM, LOOK = 2.0, 4.0  # s
 
@@ -87,6 +89,13 @@ def main() -> None:
         with page_of(browser, player_of(())) as page:  # the paper's bearing, on a desk
             page.wait_for_function("() => window.live.frame() && window.live.frame().record > 300")
             page.screenshot(path=Path(__file__).parents[1] / "docs" / "live.png", full_page=True)
+            page.get_by_role("tab", name="Ratings").click()
+            for field, value in RATED.items():
+                page.locator(f"#{field}").fill(value)
+                page.locator(f"#{field}").press("Tab")
+            page.wait_for_function("() => ratings.found() && ratings.found().values.viscosity_mm2_s === 20")
+            page.evaluate("window.scrollTo(0, 0)")
+            page.screenshot(path=Path(__file__).parents[1] / "docs" / "live_ratings.png", full_page=True)
         rows = [
             [name, f"1/{slowness:g}", *watched(browser, player_of(settings), slowness)]
             for name, settings in SCENES.items()

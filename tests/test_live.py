@@ -26,12 +26,16 @@ from fem.commands.run_fem import live_main
 from fem.live import player as player_module
 from fem.live import server as server_module
 from fem.live.player import MOST_PLACES, Player, Record, changed, controls, values_of
+from fem.live.ratings import ANGLES, LEFT_OUT, Wanted, rate
 from fem.live.server import LiveServer, Pace, make_page
+from fem.rating.answers import BLOCKS, BULKY, Case, Options, Rating
+from fem.rating.report import in_words
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError
-from lagrange.scene.scene import SceneError, read_scene
+from lagrange.rating.sources import LINEARISED, TILTED
+from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
 from tests.reference.kit import environment, sets, started_as
 from tests.waiting import GIVE_UP, assert_readable, coloured_pixels, open_page
 
@@ -377,7 +381,8 @@ def test_nonsense_is_told_so_and_ends_nothing(live):
     with live.connected() as viewer:
         for text in ("", "{", "[]", "7", '{"more": 1}', '{"pace": {"slowness": 0.5}}', '{"pace": {"slowness": 1e9}}',
                      '{"values": 1}', '{"values": {"speed_rpm": 1}}', '{"frame": "yes"}', b"\xff", b"\x00",
-                     '{"values": {"speed_rpm": NaN}}'):  # fmt: skip
+                     '{"values": {"speed_rpm": NaN}}', '{"rate": {"bearing": 7}}', '{"rate": {"more": 1.0}}',
+                     '{"rate": {"viscosity_mm2_s": -1.0}}'):  # fmt: skip
             viewer.send(text)
             assert told(viewer, "refused")
         assert frame_of(viewer)["outer"]
@@ -414,6 +419,75 @@ def test_a_paused_run_goes_on_by_steps_of_a_twentieth_of_a_second_and_stands_whi
         last = frame_of(viewer, pace={"slowness": 50.0, "playing": True})["time"]
     with live.connected() as late:
         assert told(late, "frame")["time"] == last and frame_of(late)["time"] > last
+
+
+TAPERED = (
+    "bearing.pitch_diameter_mm=46", "bearing.contact_angle_deg=14", "bearing.rollers=17",
+    "bearing.roller_diameter_mm=7", "bearing.roller_length_mm=12", "bearing.clearance_um=10",
+    "bearing.bore_diameter_mm=30", "bearing.outside_diameter_mm=62", "operation.radial_load_N=3000",
+)  # fmt: skip
+OIL = 1e-6 * 20.0 * 870.0  # Pa s, of 20 mm²/s
+OILED = ("lubricant.viscosity_Pa_s=0.02",)
+
+
+@pytest.mark.parametrize(("given", "wanted", "settings"), [
+    ((), {}, ()),
+    (TAPERED, {"speed_rpm": 900.0, "viscosity_mm2_s": 20.0},
+     (*TAPERED, "operation.speed_rpm=900", f"lubricant.viscosity_Pa_s={OIL}")),
+    (("operation.radial_load_N=800",), {"bearing": "nu 206 ecp", "clearance_um": 15.0, "viscosity_mm2_s": 20.0},
+     ("bearing.designation=NU206", "bearing.clearance_um=15", "operation.radial_load_N=800",
+      f"lubricant.viscosity_Pa_s={OIL}")),
+    (OILED, {"bearing": "6206/C3", "radial_load_N": 500.0},
+     ('bearing.designation="6206/C3"', "operation.radial_load_N=500")),
+    ((), {"bearing": "NU206", "misalignment_mrad": 0.5},
+     ("bearing.designation=NU206", "operation.misalignment_mrad=0.5", "axial.slices=11")),
+    (TAPERED, {"axial_load_N": 1500.0}, (*TAPERED, "operation.axial_load_N=1500")),
+    ((), {"bearing": "6206", "axial_load_N": -900.0, "misalignment_mrad": 1.0},
+     ('bearing.designation="6206"', "operation.axial_load_N=-900", "operation.misalignment_mrad=1.0")),
+])  # fmt: skip
+def test_a_slider_s_answers_are_those_of_rate_bearing_to_the_same_scene(given, wanted, settings):
+    scene = read_scene(None, ("model=lagrange", *settings))
+    viscosity = 1e6 * 0.02 / 870.0 if given == OILED else None  # of balls, which have no [lubricant]
+    case = Case(scene, Options(viscosity=viscosity))
+    whole, found = Rating(case, LEFT_OUT), rate(scene_of(*given), Wanted(**wanted))
+    shown = {name: (block, value) for block, rows in found["blocks"].items() for name, _, value, *_ in rows}
+    assert found["blocks"].keys() == BLOCKS.keys() and shown.keys() == whole.answers.keys() - BULKY
+    over_a_pitch = {answer.name for answer in whole.answers.values() if answer.source in (LINEARISED, TILTED)}
+    for name in shown.keys() - over_a_pitch:
+        assert shown[name] == (whole.answers[name].block, in_words(whole.answers[name])), name
+    few = Case(scene, Options(angles=ANGLES)).stiffness
+    assert np.diag(few) == pytest.approx(np.diag(whole["stiffness_N_per_m"]), rel=0.03)
+    assert parse_scene_text(found["toml"], "saved").perfect_bearing() == scene.perfect_bearing()
+    load, angle = np.array(found["picture"]["load"]), np.array(found["picture"]["angle"])
+    inclined = np.cos(np.radians(whole["contact_angle_range_deg"] or [np.degrees(case.bearing.contact_angle)])).mean()
+    radial = scene.operation.radial_load_N + case.weight
+    assert load @ np.cos(angle) * inclined == pytest.approx(radial, rel=0.01)
+    for key, (low, high, _) in found["ends"].items():
+        assert low <= found["values"][key] <= high
+
+
+REFUSED = {("bearing", "NU20"): "NU204 to NU220", ("radial_load_N", -1.0): "radial_load_N = -1.0",
+           ("axial_load_N", 10.0): "axial_load_N = 10: the bearing has no flanges"}  # fmt: skip
+
+
+def test_who_asks_for_ratings_gets_those_of_the_last_wish_alone_and_a_refusal_in_a_sentence(live):
+    with live.connected() as one, live.connected() as other:
+        for load in (500.0, 600.0, 700.0, 800.0):
+            ask(one, rate={"radial_load_N": load})
+        answers = [told(one, "rating")]
+        while answers[-1]["values"]["radial_load_N"] < 800.0:
+            answers.append(told(one, "rating"))
+        assert len(answers) <= 4 and answers[-1]["values"]["clearance_um"] == 0.0
+        for (key, value), words in REFUSED.items():
+            ask(one, rate={key: value})
+            assert words in told(one, "unrated")
+        ask(one, rate={"bearing": "NU206"})
+        assert told(one, "rating")["name"] == "NU206"
+        ask(other, pace={"slowness": 50.0, "playing": True}, frame=True)
+        kinds = []
+        while "frame" not in kinds:
+            kinds += json.loads(other.recv(timeout=GIVE_UP))
+        assert not {"rating", "unrated"} & set(kinds)
 
 
 @contextmanager
@@ -530,6 +604,36 @@ def test_sliders_and_boxes_change_the_bearing_refusals_are_explained_and_shocks_
     wait_for_value(page, "outer_ring_spall_mm", 0)
     wait_for_value(page, "radial_load_N", 2000)
     page.locator("#cautions").wait_for(state="hidden")
+
+
+@everywhere
+def test_ratings_follow_their_sliders_on_a_tab_of_their_own(page):
+    page.get_by_role("tab", name="Motion").focus()
+    page.keyboard.press("ArrowRight")
+    page.locator("#tiles dd").first.wait_for()
+    tab = page.get_by_role("tab", name="Ratings")
+    assert page.url.endswith("#ratings") and tab.get_attribute("aria-selected") == "true"
+    assert page.locator("#motion").is_hidden() and page.locator("#blocks h2").all_text_contents()[1:] == [
+        "bearing", "loads", "lives", "stresses", "stiffness", "friction and film"]  # fmt: skip
+    page.locator("#designation").fill("NU206")
+    page.locator("#designation").press("Tab")
+    page.wait_for_function("() => ratings.found().name === 'NU206'")
+    page.locator("#rated-radial_load_N").fill("3000")
+    page.wait_for_function("() => ratings.found().values.radial_load_N === 3000")
+    assert page.locator("#blocks").get_by_text("44000 N").count() == 1
+    assert coloured(page, "#section") > 200 and "of 13 under load" in page.locator("#section-says").inner_text()
+    assert_readable(page, "p, label, dt, dd, button, small", 12.0)
+    frames = page.evaluate("window.live.frames")
+    page.locator("#designation").fill("NU20")
+    page.locator("#designation").press("Tab")
+    page.locator("#unrated").wait_for()
+    assert "NU204 to NU220" in page.locator("#unrated").inner_text()
+    assert page.locator("#blocks").get_by_text("44000 N").count() == 1
+    page.get_by_role("button", name="Reset").click()
+    page.locator("#unrated").wait_for(state="hidden")
+    assert page.evaluate("window.live.frames") == frames  # the run stands while nobody looks
+    page.get_by_role("tab", name="Motion").click()
+    wait_for_frames(page)
 
 
 @on_a_desk

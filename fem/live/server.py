@@ -3,7 +3,8 @@
 Every request needs the run's random token in its path and this server's own name in its Host header (another site's
 name that resolves to 127.0.0.1 is refused); a page of another origin gets no connection. There is nothing to ask for
 but the page and the connection, by GET. Over it the page sends a `Wish` and gets {"bearing": facts of a run that
-begins}, {"frame": an instant}, {"pace": how it plays}, {"refused": a sentence}, {"telling": a sentence, "" for none}.
+begins}, {"frame": an instant}, {"pace": how it plays}, {"refused": a sentence}, {"telling": a sentence, "" for none};
+{"rating": answers} or {"unrated": a sentence}, which whoever asked gets alone.
 """
 
 import asyncio
@@ -25,7 +26,9 @@ from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
 from fem.live.player import Player, measured
+from fem.live.ratings import Wanted, rate, sliders
 from fem.result.run_file import channels
+from lagrange.catalogue import entries
 from lagrange.errors import RunFailed, UsageError
 from lagrange.files.output import as_it_is, render_page
 from lagrange.scene.scene import SceneError
@@ -61,6 +64,7 @@ class Wish(BaseModel, extra="forbid", allow_inf_nan=False, frozen=True, strict=T
     step: bool = False  # STEP further, where the run is paused
     values: dict[str, float] | None = None
     pace: Pace | None = None
+    rate: Wanted | None = None
 
 
 class LiveServer:
@@ -72,22 +76,24 @@ class LiveServer:
         self._last: dict[str, str] = {}
         self._pace, self._values, self._step = Pace(), None, False
         self._new = True  # whether the run stands where no frame has been made
+        self._rates: dict[ServerConnection, Wanted] = {}  # the last wish of each viewer that waits for a rating
 
     async def run(self, announce: Callable[[str], None]) -> None:
         """Serve; `announce` is given the address. Ends by `end` or cancellation, or with what ends the player."""
-        self._loop, self._changed = asyncio.get_running_loop(), asyncio.Event()
+        self._loop, self._changed, self._asked = asyncio.get_running_loop(), asyncio.Event(), asyncio.Event()
         self._ended = self._loop.create_future()
         with socket.create_server((LOOPBACK, 0)) as door:
             self._port = door.getsockname()[1]
             self._page, self._policy = make_page(self._player, f"ws://{LOOPBACK}:{self._port}")
-            playing = asyncio.create_task(self._play())
+            tasks = [asyncio.create_task(work()) for work in (self._play, self._rate)]
             async with serve(
                 self._attend, sock=door, process_request=self._answer, compression=None, server_header=None,
                 max_size=LONGEST_MESSAGE, close_timeout=CLOSING, logger=_silent,
             ):  # fmt: skip
                 announce(f"http://{LOOPBACK}:{self._port}/{self._token}/")
-                done, _ = await asyncio.wait([self._ended, playing], return_when=asyncio.FIRST_COMPLETED)
-                playing.cancel()
+                done, _ = await asyncio.wait([self._ended, *tasks], return_when=asyncio.FIRST_COMPLETED)
+                for task in tasks:
+                    task.cancel()
                 done.pop().result()
 
     def end(self) -> None:
@@ -138,6 +144,19 @@ class LiveServer:
             frame = await self._in_thread(self._player.frame)
             self._new = False
             publish("frame", frame | {"slowness": slowness if pace.playing and pace == self._pace else None})
+
+    async def _rate(self) -> None:
+        """Ratings for those who asked, each in a thread of its own."""
+        while True:
+            await self._asked.wait()
+            self._asked.clear()
+            while self._rates:
+                viewer = next(iter(self._rates))
+                try:
+                    found = await self._in_thread(rate, self._player.given, self._rates.pop(viewer))
+                    broadcast([viewer], _message("rating", found))
+                except UsageError as error:
+                    broadcast([viewer], _message("unrated", str(error)))
 
     def _in_thread(self, work: Callable, *arguments: object) -> asyncio.Future:
         """The work's outcome, by a thread for which the process need not wait: it may be compiling."""
@@ -190,6 +209,9 @@ class LiveServer:
             self._pace = wish.pace
             self._publish("pace", wish.pace.model_dump())
         self._changed.set()
+        if wish.rate is not None:
+            self._rates[viewer] = wish.rate
+            self._asked.set()
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
         """The page; nothing where a page connects; or why a request is not answered."""
@@ -230,9 +252,10 @@ def make_page(player: Player, connection: str) -> tuple[str, str]:
     mark, scene = secrets.token_urlsafe(16), player.given
     text = render_page(
         PARTS / "live.html.j2", name=scene.name, mark=mark, style=as_it_is(PARTS / "live.css"),
-        scripts=[as_it_is(PARTS / name) for name in ("drawing.js", "charts.js", "live.js")],
+        scripts=[as_it_is(PARTS / name) for name in ("drawing.js", "charts.js", "ratings.js", "live.js")],
         measured=[name.partition("_")[0].replace("inner", "hub") for name in measured(channels(scene))],
         tilts=scene.axial is not None, controls=player.controls, fastest=FASTEST, slowest=SLOWEST,
+        loads=sliders(scene), designation=scene.bearing.designation or "", designations=list(entries()),
     )  # fmt: skip
     own = f"script-src 'nonce-{mark}'; style-src 'nonce-{mark}'; connect-src 'self' {connection}; img-src data:"
     return text, f"default-src 'none'; {own}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"

@@ -63,6 +63,7 @@ class Options(NamedTuple):
     life: float | None = None  # h, wanted
     cycle: DutyCycle | None = None
     run: RunLoads | None = None  # of the same scene: its loads in place of the scene's
+    angles: int = SAMPLES  # of the cage in a pitch; a quarter of them where rollers tilt
 
 
 class Case:
@@ -271,13 +272,14 @@ class Case:
     def stiffness(self) -> np.ndarray:  # of the hub in x and y, (2, 2), N/m
         return self.pitch.mean if self.in_plane else 1e3 * self.balance.condensed(0, 1)
 
-    def under(self, operation: Operation, elastic: bool, samples: int = SAMPLES) -> Pitch:
+    def under(self, operation: Operation, elastic: bool, samples: int | None = None) -> Pitch:
         """Equilibria over a pitch, by elastic rings, or rigid ones on the scene's contact law."""
         if elastic and self.bends:
             raise Unavailable("[support]: elastic rings need an outer ring held all around")
         if self.axial is not None:
-            return self.tilted_under(operation, elastic).pitch
-        return self.plane_under(operation, elastic, samples)
+            is_own = operation is self.on_bearing and elastic == (self.scene.model != "lagrange")
+            return (self.tilted if is_own else self.tilted_under(operation, elastic)).pitch
+        return self.plane_under(operation, elastic, samples or self.options.angles)
 
     def refuse_space(self) -> None:
         """Unavailable: the bearing leaves its plane."""
@@ -304,7 +306,7 @@ class Case:
 
         self.refuse_space()
         axial = axial or self.axial or _not_asked(PLANE)
-        return tilted_pitch(self.bearing, axial, operation, None if elastic else self.laws)
+        return tilted_pitch(self.bearing, axial, operation, None if elastic else self.laws, self.options.angles // 4)
 
     # over a pitch: by elastic rings, by rigid ones, by the contacts of the scene's model without and with tilting
     elastic = cached_property(lambda self: self.under(self.on_bearing, True))
@@ -645,9 +647,9 @@ OPTION_OF = {
 class Rating(Mapping[str, Any]):
     """Values by name; `answers` have units and sources beside them."""
 
-    def __init__(self, case: Case):
+    def __init__(self, case: Case, without: Collection[str] = ()):
         self.case, self.scene = case, case.scene
-        self.answers = {declared[1]: _answer(case, *declared) for declared in DECLARED}
+        self.answers = {declared[1]: _answer(case, *declared) for declared in DECLARED if declared[1] not in without}
         self.warnings = tuple(_warnings(case, {name: answer.value for name, answer in self.answers.items()}))
 
     def __getitem__(self, name: str) -> Any:

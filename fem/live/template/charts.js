@@ -285,7 +285,7 @@ const charts = (function () {
     if (holder("pressure")) made.push(pressure(holder("pressure")));
     const resize = () => made.forEach(({ u }) => {
       const room = u.root.parentElement;
-      if (u.width !== room.clientWidth || u.height !== room.clientHeight) u.setSize({ width: room.clientWidth, height: room.clientHeight });
+      if (room.clientWidth && (u.width !== room.clientWidth || u.height !== room.clientHeight)) u.setSize({ width: room.clientWidth, height: room.clientHeight });
     });
     window.addEventListener("resize", resize);
     return {

@@ -46,7 +46,8 @@ const drawing = (function () {
     }
 
     function remember(bearing, frame) {
-      strongest = Math.max(FADING * strongest, ...frame.outer, ...frame.inner);
+      if (frame.bars) [furthest, top] = [1e-9, frame.top];
+      strongest = frame.bars ? frame.top : Math.max(FADING * strongest, ...frame.outer, ...frame.inner);
       if (strongest > top || strongest < 0.4 * top) top = niceAbove(strongest);
       const gap = 500 * Math.abs(bearing.outer - bearing.inner - 2 * bearing.roller);
       furthest = Math.max(furthest, gap, Math.hypot(...frame.hub), ...frame.rise.map(Math.abs));
@@ -87,7 +88,8 @@ const drawing = (function () {
       const gap = 0.5 * magnified * (bearing.outer - bearing.inner - 2 * bearing.roller);
       const pitch = 0.5 * (bearing.inner + bearing.outer);
       const shape = { outer: pitch + bearing.roller + gap, inner: pitch - bearing.roller - gap, pitch, mm, pixel, top };
-      drawZone(c, bearing, shape);
+      if (frame.bars) drawBars(c, bearing, frame, shape);
+      else drawZone(c, bearing, shape);
       drawOuterRing(c, bearing, shape);
       drawInnerRing(c, bearing, frame, shape);
       if (frame.cage !== null) drawCage(c, bearing, frame, shape);
@@ -108,6 +110,21 @@ const drawing = (function () {
       c.arc(0, 0, base, -Math.PI / 2, (-5 * Math.PI) / 2, true);
       c.fillStyle = theme.zone;
       c.fill();
+    }
+
+    // load of each element of a bearing at rest
+    function drawBars(c, bearing, frame, shape) {
+      const base = 1.015 * bearing.outside, reach = 0.22 * bearing.outside;
+      const wide = 0.7 * Math.min(0.5, Math.PI / frame.angle.length);
+      frame.angle.forEach((from, j) => {
+        if (frame.outer[j] <= 0) return;
+        const angle = from - Math.PI / 2, share = Math.min(1, frame.outer[j] / shape.top), end = base + reach * share;
+        c.beginPath();
+        c.arc(0, 0, base, angle - wide, angle + wide);
+        c.arc(0, 0, end, angle + wide, angle - wide, true);
+        c.fillStyle = colour(share);
+        c.fill();
+      });
     }
 
     function annulus(c, x, y, inside, outside, fill, line) {
@@ -254,7 +271,10 @@ const drawing = (function () {
       }
       const size = Math.max(10, Math.min(14, (0.24 * bore) / shape.pixel));
       write(c, shape, speed + " rpm", 0.27 * bore, Math.PI / 2, theme.accent, size);
-      write(c, shape, bearing.values.radial_load_N + " N", 0.66 * bore, -Math.PI / 2, theme.deep, size);
+      const below = Math.max(0.66 * bore, 0.4 * bore + (9 + 0.6 * size) * shape.pixel);
+      write(c, shape, bearing.values.radial_load_N + " N", below, -Math.PI / 2, theme.deep, size);
+      const axial = bearing.values.axial_load_N; // out of the plane, or into it
+      if (axial) write(c, shape, (axial > 0 ? "⊙ " : "⊗ ") + Math.abs(axial) + " N", 0.55 * bore, 0, theme.deep, size);
       c.restore();
     }
 

@@ -42,12 +42,13 @@
       if (sentence) showValues(() => true);
     },
     telling: (sentence) => say("telling", sentence),
+    ...ratings.hear,
   };
 
   socket.addEventListener("message", (event) => {
     for (const [kind, content] of Object.entries(JSON.parse(event.data))) hear[kind](content);
   });
-  socket.addEventListener("open", () => send({ frame: true }));
+  socket.addEventListener("open", () => ratings.begin(send));
   socket.addEventListener("close", () => {
     say("ended", "The program or the connection has ended. Start run-live again and open its new address.");
     $("play").disabled = $("step").disabled = true;
@@ -55,6 +56,7 @@
 
   function show() {
     due = false;
+    if (ratings.isShown()) return;
     canvas.remember(bearing, frame);
     plots.remember(frame);
     const { magnified, top } = canvas.draw(bearing, frame);

@@ -118,16 +118,16 @@ def test_loads_are_the_gradient_of_the_energy_and_stiffness_that_of_loads(of, gi
         assert np.array_equal(here.stiffness, here.stiffness.T) or here.stiffness == pytest.approx(here.stiffness.T)
 
 
-@pytest.mark.parametrize("axial", [0.0, 1e-3])
+@pytest.mark.parametrize("axial", [0.0, 1e-4])
 def test_without_axial_load_balls_are_in_the_plane_equilibrium(axial):
-    """Which turns contacts with the hub's displacement, in the plane: a part of 1e-4 of the radius here."""
-    of, operation = small(0.0), Operation(speed=0.0, radial_load=100.0, inner_mass=0.0, gravity=0.0,
+    """Which turns contacts with the hub's displacement, in the plane: 1e-4 of the radius at 50 N here."""
+    of, operation = small(0.0), Operation(speed=0.0, radial_load=30.0, inner_mass=0.0, gravity=0.0,
         first_roller_angle=-0.5 * pi)  # fmt: skip
     plane = static_equilibrium(of, operation, contact_laws("hertz", of))
-    found = solve(of, 100.0, axial)
+    found = solve(of, 30.0, axial)
     assert 1e-3 * found.hub[1] == pytest.approx(plane.hub[1], rel=1e-4)
     assert found.rows[0].loads == pytest.approx(plane.inner_force, rel=1e-4, abs=1e-2)
-    assert 1e3 * found.stiffness[1, 1] == pytest.approx(plane.stiffness[1, 1], rel=2e-4)
+    assert 1e3 * found.stiffness[1, 1] == pytest.approx(plane.stiffness[1, 1], rel=1e-4)
 
 
 @pytest.mark.parametrize("degrees", [0.0, 1e-5])

@@ -381,6 +381,16 @@ def test_a_pitch_has_the_harmonics_of_its_rollers():
     assert not lagrangian_pitch(bearing, light, contact_laws("harris", bearing)).is_stable
 
 
+def test_a_pitch_solved_by_half_is_that_solved_whole():
+    """Roller 0 on the line of the load, and off it by so little that nothing else changes."""
+    for pitch, settings in (("elastic", ()), ("lagrangian", ("bearing.designation='6206'",))):
+        cases = [Case(scene("damping.contact_N_s_m=100", f"operation.first_roller_deg={start}", *settings), Options())
+                 for start in (0.0, 1e-8)]  # fmt: skip
+        half, whole = (vars(getattr(case, pitch)) for case in cases)
+        for name in half:
+            assert half[name] == pytest.approx(whole[name], rel=1e-6, abs=1e-8 * np.abs(whole[name]).max()), name
+
+
 def test_dampers_are_in_proportion_to_stiffness_and_elastic_rings_stiffer_than_harris_law():
     """τ K in every contact: the hub's matrix is τ times its stiffness without what turning normals take from that.
     Harris' law gives 11 % less force on an approach of the paper's bearing than the elastic contacts do."""

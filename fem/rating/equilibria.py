@@ -19,7 +19,7 @@ from lagrange.contact.laws import ContactLaws
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.motion import hub_tilt
 from lagrange.rating.sources import Unavailable
-from lagrange.rating.stiffness import SAMPLES, Pitch, Point, approach_rates, damping_matrix, over_pitch
+from lagrange.rating.stiffness import SAMPLES, Pitch, Point, approach_rates, damping_matrix, mirrored, over_pitch
 from lagrange.statics import Elastic, Placement, Statics, tilted_equilibrium
 from lagrange.surface.deviation import UNTURNED
 
@@ -67,7 +67,7 @@ def elastic_pitch(
             stiffness=hub_stiffness(contacts, place, forces, None),
             damping=damping_matrix(rates, stiff, 1.0 / soft, forces, damping))  # fmt: skip
 
-    return over_pitch(bearing, operation.first_roller_angle, solve, samples)
+    return over_pitch(bearing, operation.first_roller_angle, solve, samples, mirrored(bearing, operation))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

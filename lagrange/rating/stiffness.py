@@ -21,6 +21,7 @@ from lagrange.statics import static_equilibrium
 SAMPLES = 64  # cage angles in a pitch; stiffness jumps where contacts open, so that means are off by 0.5 % at most
 LOOSE = 1.0  # N/m, of rollers that nothing holds
 HARMONICS = 6
+ON_LINE = 1e-12  # cosine of an angle that is the load's
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,20 +67,38 @@ class Pitch(Point):
         return bool(np.linalg.eigvalsh(self.stiffness).min() > 0.0)
 
 
+def mirrored(bearing: Bearing, operation: Operation) -> bool:
+    """Whether the second half of a pitch mirrors the first: roller 0 begins on the line of the load."""
+    return bool(
+        operation.side_load == 0.0 and not bearing.missing and abs(np.cos(operation.first_roller_angle)) < ON_LINE
+    )
+
+
 def over_pitch(
-    bearing: Bearing, first_roller_angle: float, solve: Callable[[ndarray, Point | None], Point], samples: int
-) -> Pitch:
+    bearing: Bearing, first_roller_angle: float, solve: Callable[[ndarray, Point | None], Point], samples: int,
+    mirrors: bool = False,
+) -> Pitch:  # fmt: skip
     """Solve at equally spaced angles of the cage, each from the one before; where rollers are missing over a turn.
 
-    `solve` : of the rollers' angles, (n_rollers,), rad, and a point that is near
+    `solve` : of the rollers' angles, (n_rollers,), rad, and a point that is near; `mirrors` : of `mirrored`
     """
     turned, factor, found = bearing.period * np.arange(samples) / samples, stiffness_factor(bearing), list[Point]()
     theta = roller_angles(bearing, first_roller_angle) + turned[:, None]
-    for angles in theta:
+    solved = samples // 2 + 1 if mirrors else samples
+    for angles in theta[:solved]:
         found.append(solve(angles, found[-1] if found else None))
+    found += [_mirror(found[samples - k]) for k in range(solved, samples)]
     scales = {"place": 1.0 / bearing.cosine, "stiffness": factor, "damping": factor}
     every = {name: scales.get(name, 1.0) * np.stack([vars(point)[name] for point in found]) for name in vars(found[0])}
     return Pitch(turned=turned, theta=theta, **every)
+
+
+def _mirror(point: Point) -> Point:  # across the line of the load
+    side, swapped = np.array([-1.0, 1.0]), np.array([[1.0, -1.0], [-1.0, 1.0]])
+    return Point(
+        place=side * point.place, rho=point.rho[::-1], inner_force=point.inner_force[::-1],
+        outer_force=point.outer_force[::-1], stiffness=swapped * point.stiffness, damping=swapped * point.damping,
+    )  # fmt: skip
 
 
 def lagrangian_pitch(
@@ -103,7 +122,7 @@ def lagrangian_pitch(
             place=still.hub, rho=still.rho, inner_force=both[0], outer_force=both[1], stiffness=still.stiffness,
             damping=damping_matrix(rates, np.diag(slopes), slopes, np.concatenate(both), damping))  # fmt: skip
 
-    return over_pitch(bearing, operation.first_roller_angle, solve, samples)
+    return over_pitch(bearing, operation.first_roller_angle, solve, samples, mirrored(bearing, operation))
 
 
 def approach_rates(bearing: Bearing, theta: ndarray, place: ndarray, rho: ndarray) -> ndarray:

@@ -579,7 +579,11 @@ def test_sliders_and_boxes_change_the_bearing_refusals_are_explained_and_shocks_
     page.locator("#speed_rpm").fill("3000")
     wait_for_value(page, "speed_rpm", 3000)
     assert page.locator("#speed_rpm-typed").input_value() == "3000"
-    set_value(page, "clearance_um", 12.5)
+    page.locator("#clearance_um-typed").fill("12.5")  # half written while another value comes back
+    page.evaluate("live.send({ values: { ...live.bearing().values, friction_coefficient: 0.2 } })")
+    wait_for_value(page, "friction_coefficient", 0.2)
+    page.locator("#clearance_um-typed").press("Tab")
+    wait_for_value(page, "clearance_um", 12.5)
     with page.expect_download() as saved:
         page.get_by_text("Save this scene").click()
     scene = read_scene(saved.value.path())
@@ -618,6 +622,10 @@ def test_ratings_follow_their_sliders_on_a_tab_of_their_own(page):
     page.locator("#designation").fill("NU206")
     page.locator("#designation").press("Tab")
     page.wait_for_function("() => ratings.found().name === 'NU206'")
+    page.locator("#rated-viscosity_mm2_s-typed").fill("20")
+    page.evaluate("ratings.hear.rating(ratings.found())")
+    page.locator("#rated-viscosity_mm2_s-typed").press("Tab")
+    page.wait_for_function("() => ratings.found().values.viscosity_mm2_s === 20")
     page.locator("#rated-radial_load_N").fill("3000")
     page.wait_for_function("() => ratings.found().values.radial_load_N === 3000")
     assert page.locator("#blocks").get_by_text("44000 N").count() == 1

@@ -9,6 +9,7 @@
   const canvas = drawing.over($("bearing")), plots = charts.all();
   const socket = new WebSocket("ws://" + location.host + location.pathname + "live");
   let bearing = null, chosen = null, frame = null, pace = null, address = null, drawn = [], due = false;
+  let half = null; // the box in which a number is half written
   const send = (wish) => socket.readyState === WebSocket.OPEN && socket.send(JSON.stringify(wish));
   slowness.max = FACTORS.length - 1;
 
@@ -17,7 +18,7 @@
       bearing = facts;
       canvas.forget();
       plots.forget(bearing);
-      showValues((input) => !input.matches("[type=range]:active")); // not what is being dragged
+      showValues((input) => !input.matches("[type=range]:active") && input !== half); // not what is being dragged or written
       $("restarts").textContent = "Every change restarts the run, from " + (bearing.start === "rest" ? "rest." : "its new steady state.");
       $("timestep").textContent = round(bearing.step, 3) + " µs";
       $("lines").textContent = bearing.lines.map((line) => line.name + ": " + line.meaning).join("; ") + ".";
@@ -132,7 +133,9 @@
 
   for (const input of document.querySelectorAll("[data-key]")) {
     const typed = input.type === "number";
+    if (typed) input.addEventListener("input", () => { half = input; });
     input.addEventListener(typed ? "change" : "input", () => {
+      half = null;
       if (input.value === "") {
         input.value = bearing.values[input.dataset.key];
         return;

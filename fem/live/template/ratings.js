@@ -4,7 +4,7 @@ const ratings = (function () {
   const TILES = [["L10_h", "L10_Mrev"], ["L10r_h", "L10r_Mrev"], ["s0"], ["pressure_over_permitted"], ["largest_load_N", "peak_pressure_MPa"], ["kappa"]];
   const tabs = [$("motion-tab"), $("ratings-tab")], inputs = [...document.querySelectorAll("[data-load]")];
   const canvas = drawing.over($("section"));
-  let send = () => {}, wish = {}, found = null, top = 1e-9, address = null, typed = null; // the box in which a number is half written
+  let send = () => {}, wish = {}, found = null, top = 1e-9, address = null, half = null; // the box in which a number is half written
   const isShown = () => !$("ratings").hidden;
 
   function element(name, text, parts = {}) {
@@ -23,7 +23,7 @@ const ratings = (function () {
     for (const input of inputs) {
       const key = input.dataset.load;
       if (input.type === "range") [input.min, input.max, input.step] = found.ends[key];
-      if (!input.matches("[type=range]:active") && input !== typed) input.value = Number(found.values[key].toFixed(6));
+      if (!input.matches("[type=range]:active") && input !== half) input.value = Number(found.values[key].toFixed(6));
     }
     tile();
     list();
@@ -113,9 +113,9 @@ const ratings = (function () {
   window.addEventListener("hashchange", show);
   window.addEventListener("resize", draw);
   for (const input of inputs) {
-    if (input.type === "number") input.addEventListener("input", () => { typed = input; });
+    if (input.type === "number") input.addEventListener("input", () => { half = input; });
     input.addEventListener(input.type === "number" ? "change" : "input", () => {
-      typed = null;
+      half = null;
       if (input.value === "") delete wish[input.dataset.load];
       else wish[input.dataset.load] = Number(input.value);
       ask();

@@ -1,5 +1,6 @@
 """Ratings: the standards' formulas, the hub's stiffness, rate-bearing, lives of a run by its own loads."""
 
+import re
 import sys
 from dataclasses import replace
 from functools import partial
@@ -16,9 +17,9 @@ from fem.commands.run_study import study_main
 from fem.interface import rating, simulate
 from fem.pictures.recover import StoredRun
 from fem.rating import figures
-from fem.rating.answers import DECLARED, Case, Options
+from fem.rating.answers import BLOCKS, DECLARED, Answer, Case, Options
 from fem.rating.equilibria import elastic_pitch
-from fem.rating.report import write_page
+from fem.rating.report import in_words, write_page
 from fem.rating.ross import NAMES, coefficients, read_coefficients, write_coefficients
 from fem.statics.contact_balance import HubSpring, Loads, balance, closed_forces, first_guess, hub_stiffness
 from fem.statics.exact_statics import reduced_bearing
@@ -33,7 +34,7 @@ from lagrange.rating import life
 from lagrange.rating import reference_life as rl
 from lagrange.rating.life import Dimensions, DutyCycle, basic_life, dynamic_capacity, life_modification
 from lagrange.rating.reference_life import edge_factor, rigid_loads
-from lagrange.rating.sources import Unavailable
+from lagrange.rating.sources import SCENE, Unavailable
 from lagrange.rating.stiffness import lagrangian_pitch
 from lagrange.scene.scene import read_scene
 from lagrange.statics import held_hub
@@ -446,7 +447,7 @@ def test_the_command_writes_what_was_promised_and_a_page_shows_it(here, capsys):
     assert set(told["sources"]) == {declared[1] for declared in DECLARED}
     assert np.shape(told["stiffness_N_per_m"]) == (2, 2) and np.shape(told["stiffness_range_N_per_m"]) == (2, 2, 2)
     shown = capsys.readouterr().out
-    assert "basic dynamic load rating C" in shown and "ISO 281 †" in shown and "wrote NU206-rating.json" in shown
+    assert "basic dynamic load rating C" in shown and "4451 N†" in shown and "wrote NU206-rating.json" in shown
     assert rate_main(["--bearing", "NU206", "--viscosity", "20", "--output", "rated", "--quiet"]) == 0
     page = Path("rated/rating.html").read_text(encoding="utf-8")
     assert f"{read_json('rated/NU206-rating.json')['C_N']:.0f} N" in page and "second hand" in page
@@ -455,6 +456,57 @@ def test_the_command_writes_what_was_promised_and_a_page_shows_it(here, capsys):
     write_page(Path("ball.html"), rating(read_scene(None, ("bearing.type=ball", "model=lagrange"))))
     page = Path("ball.html").read_text(encoding="utf-8")
     assert 'id="stiffness"' in page and 'id="life"' not in page and "this one has balls" in page
+
+
+def test_the_sheet_fits_a_screen_and_holds_what_was_asked_for(here, capsys, monkeypatch):
+    """Two columns of blocks on a wide terminal, one elsewhere; hours beside revolutions."""
+    asked = ["--bearing", "NU206", "--roughness", "0.1"]
+    assert rate_main(asked) == 0
+    plain = capsys.readouterr().out
+    assert re.findall(r"^[A-Z][a-z ]+$", plain, re.M) == [block.capitalize() for block in BLOCKS]
+    told = read_json("NU206-rating.json")
+    life = f"{told['L10_Mrev']:.0f} Mrev, {told['L10_h']:.0f} h"
+    assert re.search(rf"^basic rating life L10 +{life}$", plain, re.M) and " h†\n" in plain
+    assert "not computed: film / roughness λ: no film: the scene has no [lubricant]" in plain
+    assert not any(words in plain for words in ("viscosity in operation", "tilt", "frictional torque", "[support]"))
+    assert told["reasons"]["power_loss_W"].startswith("no viscosity")
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "100")
+    assert rate_main([*asked, *sets("lubricant.viscosity_Pa_s=0.0174")]) == 0
+    wide = re.sub(r"\x1b\[[0-9;]*m", "", capsys.readouterr().out).splitlines()
+    assert len(wide) <= 42 and max(len(line) for line in wide[:-5]) <= 100
+    assert re.search(r"^Bearing +Stresses", "\n".join(wide), re.M) and any("SKF" in line for line in wide)
+
+
+def test_a_matrix_of_displacements_and_tilts_stands_in_columns_with_its_units():
+    stiffness = np.diag([2e8, 3e8, 4e7, 5e4, 6e4]) + np.full((5, 5), -1e-3)
+    stiffness[0, 4] = stiffness[4, 0] = -1.5e6
+    unit, *rows = in_words(Answer("stiffness", "stiffness_5x5", stiffness, "N/m, N, N m", "", SCENE)).split("\n")
+    assert unit == "N/µm, N/mrad, N m/mrad" and len({len(row) for row in rows}) == 1
+    assert [row.split() for row in rows] == [
+        ["200", "0", "0", "0", "-1500"], ["0", "300", "0", "0", "0"], ["0", "0", "40", "0", "0"],
+        ["0", "0", "0", "50", "0"], ["-1500", "0", "0", "0", "60"]]  # fmt: skip
+
+
+def test_bearings_stand_side_by_side_under_the_same_load(here, capsys):
+    names = ["6206", "NU206", "NJ2206"]
+    flags = [word for name in names for word in ("--bearing", name)]
+    load = sets("operation.radial_load_N=3000")
+    assert rate_main([*flags, *load, "--output", "side"]) == 0
+    printed, told = capsys.readouterr().out, read_json("side/6206-NU206-NJ2206-radial_load_N-3000-comparison.json")
+    assert [each["bearing"] for each in told] == names
+    for each, name in zip(told, names, strict=True):
+        alone = rating(read_scene(None, (f"bearing={{designation='{name}'}}", "operation.radial_load_N=3000")))
+        assert each["C_N"] == alone["C_N"] and each["L10_h"] == alone["L10_h"]
+    row = re.search(r"^basic rating life L10, h +(\d+) +(\d+) +(\d+)", printed, re.M)
+    assert [float(hours) for hours in row.groups()] == pytest.approx([each["L10_h"] for each in told], abs=0.6)
+    page = Path("side/comparison.html").read_text(encoding="utf-8")
+    assert all(f"<th>{name}</th>" in page and f"<h3>{name}</h3>" in page for name in names)
+    for more, words in ((["--bearing", "NU207", "--bearing", "NU208"], "5 bearings; at most 4"),
+                        (["--bearing", "NU999"], "--bearing NU999: "),
+                        (["--ross", "file.csv"], "coefficients are those of one bearing")):  # fmt: skip
+        assert rate_main([*flags, *more, "--output", "none"]) == 2
+        assert words in capsys.readouterr().err and not Path("none").exists()
 
 
 def test_numbers_of_a_worked_example(rated, monkeypatch):
@@ -519,7 +571,8 @@ def test_ratings_are_those_given_or_the_makers_or_the_standards(here, capsys):
     for other in ("rollers=12", "roller_length_mm=9", "rows=2", "contact_angle_deg=10"):
         its = scene(f"bearing.{other}")
         assert its.bearing.known_ratings == {} and its.ratings().dynamic == dynamic_capacity(
-            Dimensions.of(its.unmounted_bearing()))
+            Dimensions.of(its.unmounted_bearing())
+        )
     assert scene("bearing.clearance_um=10", "bearing.rollers=13").bearing.known_ratings  # as the table has it
 
 

@@ -1,6 +1,7 @@
 """The report as a reader meets it, in a real browser without a network, on a desk and on a phone."""
 
 import io
+import re
 import shutil
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from residual.measured.checks import Question, assumed, check_record, write_repo
 from tests.waiting import assert_readable, coloured_pixels, open_page
 
 WIDTHS = (390, 1280)
+BLOCKS = ["Bearing", "Loads", "Lives", "Stresses", "Stiffness", "Friction and film"]
 
 
 @pytest.fixture(scope="module")
@@ -170,7 +172,19 @@ def test_on_a_phone_the_verdict_is_first_meanings_are_on_the_screen_and_no_word_
         with open_page(browser, path.as_uri(), 390, offline=True) as page:
             assert page.locator(".verdict").bounding_box()["y"] < 200
             sizes = "all => all.map(e => [e.getBoundingClientRect().right, e.clientWidth, e.scrollWidth])"
-            cells = page.locator(".stacked td").evaluate_all(sizes)
+            cells = page.locator(".words td").evaluate_all(sizes)
             assert len(cells) > 60 and all(right <= 390 and scroll <= client + 1 for right, client, scroll in cells)
             keys += page.locator(".keys td:first-child").evaluate_all("all => all.map(e => e.getClientRects().length)")
     assert set(keys) == {1}
+
+
+def test_the_sheet_of_a_rating_prints_on_a4_black_on_white_with_all_its_inputs(browser, other_pages):
+    with open_page(browser, other_pages[0].as_uri(), color_scheme="dark", offline=True) as page:
+        page.emulate_media(media="print")
+        look = "e => [getComputedStyle(e).color, getComputedStyle(e).breakInside]"
+        assert page.locator("section").first.evaluate(look) == ["rgb(27, 31, 36)", "avoid"]
+        assert page.locator("h2").all_inner_texts()[:6] == BLOCKS
+        assert 'designation = "NU206"' in page.locator("pre").inner_text() and page.locator("pre").is_visible()
+        printed = page.pdf(prefer_css_page_size=True)
+        assert b"MediaBox [0 0 594.95" in printed or b"MediaBox [0 0 595" in printed
+        assert 3 <= len(re.findall(rb"/Type /Page\b", printed)) <= 5

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from enum import Enum
 from functools import partial
 from importlib.util import find_spec
+from threading import Timer
 from typing import TYPE_CHECKING
 
 from lagrange.commands import HELD
@@ -98,10 +99,10 @@ def progress_display(plan: "Plan", quiet: bool) -> "Iterator[Callable[[Progress]
 
 
 @contextmanager
-def count_display(what: str, total: int, quiet: bool) -> Iterator[Callable[[], None]]:
-    """Gives the function to call after each of `total` things."""
+def count_display(what: str, total: int, quiet: bool, after: float = 0.0) -> Iterator[Callable[[], None]]:
+    """Gives the function to call after each of `total` things; shows nothing in the first seconds, `after`."""
     done = 0
-    with _display(total, quiet) as show:
+    with _display(total, quiet, after) as show:
 
         def count():
             nonlocal done
@@ -112,7 +113,7 @@ def count_display(what: str, total: int, quiet: bool) -> Iterator[Callable[[], N
 
 
 @contextmanager
-def _display(total, quiet):
+def _display(total, quiet, after=0.0):
     """Gives what to call with how many of `total` steps are done, and words on them: a live bar on a terminal, a plain
     line now and then elsewhere."""
     if quiet:
@@ -122,9 +123,16 @@ def _display(total, quiet):
         from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
         columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
-        with Progress(*columns, console=Console(stderr=True), transient=True) as display:
-            task = display.add_task("", total=total)
+        display = Progress(*columns, console=Console(stderr=True), transient=True)
+        task, begin = display.add_task("", total=total), Timer(after, display.start)
+        begin.daemon = True
+        begin.start()
+        try:
             yield lambda done, words: display.update(task, completed=done, description=words)
+        finally:
+            begin.cancel()
+            begin.join()
+            display.stop()
     else:
         began, first = time.monotonic(), None  # a resumed run begins with samples
         last = began

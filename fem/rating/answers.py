@@ -81,10 +81,21 @@ class Case:
         self.relative_speed = operation.speed - operation.outer_speed  # at the start, rad/s
         self.bends = self.mounting.points is not None or self.mounting.bore is not None  # the outer ring
         self.weight = operation.inner_mass * operation.gravity
+        self.radial_load = float(np.hypot(self.operation.side_load, self.operation.radial_load))
         given = self.given = scene.row_loads()
         self.in_plane = not (given.axial_load or given.arrangement or (given.tilt and self.axial is None)) and (
             given.moment is None
         )
+
+    @property
+    def elements(self) -> str:  # in words
+        of = self.scene.bearing
+        long = "" if self.balls else f" × {of.roller_length_mm:g}"
+        words = f"{of.present} {'balls' if self.balls else 'rollers'} of {of.roller_diameter_mm:g}{long} mm"
+        return words if of.rows == 1 else f"{of.rows} rows of {words}"
+
+    def of_scene(self, load: float) -> float:
+        return load if self.options.cycle is None else _not_asked("loads are those of --cycle")
 
     row = cached_property(lambda self: Dimensions.of(self.scene.unmounted_bearing()))
     basic = cached_property(lambda self: self.scene.ratings())
@@ -259,7 +270,7 @@ class Case:
             return f"rigid rings, {'Hertz' if self.balls else 'laminae of ISO/TS 16281'}"
         _ = self.pitch
         law = f"rigid rings on the contact law {self.scene.lagrange.law}"
-        return law if self.scene.model == "lagrange" else "elastic rings and rollers"
+        return law if self.rigid_rings else "elastic rings and rollers"
 
     def contact_angles(self) -> list[float]:
         """Of loaded elements, least and largest, degrees."""
@@ -284,7 +295,7 @@ class Case:
     def refuse_space(self) -> None:
         """Unavailable: the bearing leaves its plane."""
         if not self.in_plane:
-            raise Unavailable("over a pitch and with elastic rings only without axial load, moment and mirrored rows")
+            raise NotAsked("over a pitch and with elastic rings only without axial load, moment and mirrored rows")
 
     def plane_under(self, operation: Operation, elastic: bool, samples: int) -> Pitch:
         """The same with parallel axes, the outer ring held all around."""
@@ -311,8 +322,9 @@ class Case:
     # over a pitch: by elastic rings, by rigid ones, by the contacts of the scene's model without and with tilting
     elastic = cached_property(lambda self: self.under(self.on_bearing, True))
     lagrangian = cached_property(lambda self: self.under(self.on_bearing, False))
-    pitch = property(lambda self: self.lagrangian if self.scene.model == "lagrange" else self.elastic)
-    tilted = cached_property(lambda self: self.tilted_under(self.on_bearing, self.scene.model != "lagrange"))
+    rigid_rings = property(lambda self: self.scene.model == "lagrange" or self.balls)
+    pitch = property(lambda self: self.lagrangian if self.rigid_rings else self.elastic)
+    tilted = cached_property(lambda self: self.tilted_under(self.on_bearing, not self.rigid_rings))
 
     @cached_property
     def oscillation(self) -> str:
@@ -533,28 +545,34 @@ def _life(name: str, meaning: str, source: Source, of: Callable[[Case], float]) 
 # Blocks of the sheet: name in the JSON file, unit, meaning, source, value. Neighbours of one meaning share a line.
 BLOCKS: dict[str, tuple[Row, ...]] = {
     "bearing": (
+        ("designation", "", "bearing", s.SCENE,
+         lambda c: c.scene.bearing.designation or _not_asked("no standard bearing: the scene has its sizes")),
+        ("elements", "", "rolling elements", s.SCENE, lambda c: c.elements),
         ("C_N", "N", "basic dynamic load rating C", s.DYNAMIC, lambda c: c.basic.dynamic),
         ("C0_N", "N", "basic static load rating C0", s.STATIC, lambda c: c.basic.static),
         ("Cu_N", "N", "fatigue load limit C_u", s.FATIGUE, lambda c: c.basic.fatigue),
         ("catalogue", "", "origin of these ratings", s.KNOWN, lambda c: c.catalogue),
-        ("operating_clearance_um", "µm", "diametral clearance in operation", s.CLEARANCE,
+        ("operating_clearance_um", "µm", "clearance in operation", s.CLEARANCE,
          lambda c: sum(part for part in c.clearance_parts.values() if part is not None)),
         ("operating_clearance_parts_um", "µm", "of that", s.CLEARANCE, lambda c: c.clearance_parts),
         ("fit_pressure_MPa", "MPa", "fit pressure in operation", s.FITS,
          lambda c: {"shaft": 1e-6 * c.build_up.shaft_pressure, "housing": 1e-6 * c.build_up.housing_pressure})),
     "loads": (
-        ("P_N", "N", "equivalent dynamic load P{weight}", s.LOAD, lambda c: c.load),
+        ("radial_load_N", "N", "radial load", s.SCENE, lambda c: c.of_scene(c.radial_load)),
+        ("axial_load_N", "N", "axial load", s.SCENE, lambda c: c.of_scene(c.given.axial_load) or _not_asked(PLANAR)),
+        ("weight_N", "N", "weight of ring and shaft", s.SCENE, lambda c: c.of_scene(c.weight)),
+        ("P_N", "N", "equivalent dynamic load P", s.LOAD, lambda c: c.load),
         ("factors", "", "e, Y up to it, X and Y beyond", s.LOAD,
          lambda c: {name: float(value) for name, value in _only(c.factors)._asdict().items()}),
-        ("reference_load_N", "N", "load of the same life as L10r", s.REFERENCE, lambda c: c.reference_load),
-        ("P0_N", "N", "equivalent static load P0{weight}", s.STATIC_LOAD, lambda c: c.largest_load),
+        ("reference_load_N", "N", "load with L10r's life", s.REFERENCE, lambda c: c.reference_load),
+        ("P0_N", "N", "equivalent static load P0", s.STATIC_LOAD, lambda c: c.largest_load),
         ("s0", "1", "static safety C0/P0", s.STATIC, lambda c: c.basic.static / positive(c.largest_load, "infinite")),
-        ("minimum_load_N", "N", "least radial load, rule of thumb", s.LEAST_LOAD,
+        ("minimum_load_N", "N", "minimum radial load", s.LEAST_LOAD,
          lambda c: equivalent.least_load(c.basic.dynamic, c.balls)),
-        ("permitted_axial_load_N", "N", "axial load that flanges carry", s.FLANGES, lambda c: c.flange_limit()),
+        ("permitted_axial_load_N", "N", "permitted axial load", s.FLANGES, lambda c: c.flange_limit()),
         ("speed_rpm", "1/min", "relative ring speed", s.LOAD, lambda c: c.rpm),
         ("hub_displacement_um", "µm", "hub at x, y, z", s.IN_SPACE, lambda c: 1e3 * c.in_space.hub[:3]),
-        ("hub_tilt_mrad", "mrad", "tilt of the hub, +z to the load", s.IN_SPACE, lambda c: 1e3 * c.in_space.hub[3]),
+        ("hub_tilt_mrad", "mrad", "tilt of the hub", s.IN_SPACE, lambda c: 1e3 * c.in_space.hub[3]),
         ("moment_on_hub_N_m", "N m", "moment that holds it", s.IN_SPACE,
          lambda c: _not_asked("the hub is free to tilt") if c.given.moment is not None else 1e-3 * c.in_space.force[3]),
         ("largest_load_N", "N", "largest load of an element", s.IN_SPACE,
@@ -563,58 +581,58 @@ BLOCKS: dict[str, tuple[Row, ...]] = {
         ("roller_loads_N", "N", "roller loads at the first angle, rigid rings", s.REFERENCE,
          lambda c: c.rigid.of_rollers if c.in_plane and not c.balls
          else np.concatenate([row.loads for row in c.balance.rows])),
-        ("misalignment_mrad", "mrad", "slope of the shaft, +z to the load", s.TILTED, lambda c: 1e3 * c.tilted.slope),
-        ("tilting_moment_N_m", "N m", "moment that holds that slope", s.TILTED, lambda c: c.tilted.moment)),
+        ("misalignment_mrad", "mrad", "slope of the shaft", s.TILTED, lambda c: 1e3 * c.tilted.slope),
+        ("tilting_moment_N_m", "N m", "moment that holds it", s.TILTED, lambda c: round(c.tilted.moment, 9))),
     "lives": (
         *_life("L10", "basic rating life L10", s.LIFE, lambda c: c.basic_life),
         ("a1", "1", "reliability factor a1", s.RELIABILITY, lambda c: c.a1),
-        ("Ln_h", "h", "life a1 L10 of that reliability", s.RELIABILITY,
+        ("Ln_h", "h", "life a1 L10", s.RELIABILITY,
          lambda c: _not_asked("no other reliability than that of L10") if c.options.reliability == 90.0
          else in_hours(c.a1 * c.basic_life, c.rpm)),
         ("e_C", "1", "contamination factor e_C", s.CONTAMINATION, lambda c: c.contamination),
-        ("a_ISO", "1", "life modification factor a_ISO", s.A_ISO, lambda c: c.a_iso(c.load)),
+        ("a_ISO", "1", "modification factor a_ISO", s.A_ISO, lambda c: c.a_iso(c.load)),
         ("Lnm_h", "h", "modified rating life Lnm", s.A_ISO, lambda c: in_hours(c.a1 * c.modified_life, c.rpm)),
         *_life("L10r", "L10r, rigid rings", s.REFERENCE, lambda c: c.rigid_life),
-        *_life("L10r_pitch", "L10r, rigid rings, over a pitch", s.REFERENCE, lambda c: c.pitch_life),
-        *_life("L10r_elastic", "L10r, elastic rings, over a pitch", s.LOAD_SHARING, lambda c: c.elastic_life),
-        *_life("L10r_run", "L10r, roller loads of the run", s.OF_RUN,
+        *_life("L10r_pitch", "L10r, rigid rings, mean", s.REFERENCE, lambda c: c.pitch_life),
+        *_life("L10r_elastic", "L10r, elastic rings, mean", s.LOAD_SHARING, lambda c: c.elastic_life),
+        *_life("L10r_run", "L10r, loads of the run", s.OF_RUN,
                lambda c: c.run.life(c.row, c.basic.dynamic, c.axial is not None)),
         ("L10r_by_misalignment_Mrev", "Mrev", "L10r, rigid rings, by misalignment", s.REFERENCE,
          lambda c: _not_asked(PLANE) if c.axial is None else
          {f"{slope:g} mrad": c.reference_life(c.rigid_at(slope=1e-3 * slope).loads) for slope in SLOPES}),
         ("Lnmr_h", "h", "modified L10r, Lnmr", s.MODIFIED_REFERENCE,
          lambda c: in_hours(c.a1 * c.life_of_rows(c.a_iso), c.rpm)),
-        ("reliability_percent", "%", "reliability at the wanted life", s.RELIABILITY, lambda c: c.reliabilities()),
-        ("required_C_N", "N", "C for the wanted life", s.LIFE, lambda c: c.required),
-        ("required_C_over_C", "1", "that over C", s.LIFE, lambda c: c.required / c.basic.dynamic)),
+        ("reliability_percent", "%", "reliability at --life", s.RELIABILITY, lambda c: c.reliabilities()),
+        ("required_C_N", "N", "required C", s.LIFE, lambda c: c.required),
+        ("required_C_over_C", "1", "required C / C", s.LIFE, lambda c: c.required / c.basic.dynamic)),
     "stresses": (
         ("peak_pressure_MPa", "MPa", "largest Hertz pressure", s.HERTZ, lambda c: 1e-6 * c.peak_pressure),
-        ("pressure_over_permitted", "1", "peak pressure / permitted (ISO 76)", s.STRESS_LIMITS,
+        ("pressure_over_permitted", "1", "peak pressure / permitted", s.STRESS_LIMITS,
          lambda c: c.peak_pressure / (hertz.PERMITTED_OF_BALLS if c.balls else hertz.PERMITTED)),
-        ("pressure_over_fatigue", "1", "peak pressure / fatigue's 1500 MPa", s.STRESS_LIMITS,
+        ("pressure_over_fatigue", "1", "peak pressure / fatigue", s.STRESS_LIMITS,
          lambda c: c.peak_pressure / hertz.FATIGUE),
         ("contacts", "", "most loaded contact of each raceway", s.HERTZ,
          lambda c: {name: {key: factor * getattr(contact, key.rpartition("_")[0]) for key, factor in STRESSES.items()}
                     for name, contact in c.stressed.items()})),
     "stiffness": (
         ("stiffness_N_per_m", "N/m", "stiffness in x, y", s.LINEARISED, lambda c: c.stiffness),
-        ("stiffness_range_N_per_m", "N/m", "lowest and highest over a pitch", s.LINEARISED, lambda c: c.pitch.range),
+        ("stiffness_range_N_per_m", "N/m", "from lowest to highest", s.LINEARISED, lambda c: c.pitch.range),
         ("stiffness_harmonics_N_per_m", "N/m", "stiffness, amplitudes at 1, 2 ... times the ball pass frequency",
          s.LINEARISED, lambda c: c.pitch.harmonics),
         ("stiffness_contacts", "", "contacts", s.LINEARISED, lambda c: c.contacts_in_words),
-        ("stiffness_with_housing_N_per_m", "N/m", "in series with the housing", s.LINEARISED, lambda c: c.with_housing),
-        ("hub_stiffness_N_per_m", "N/m", "with springs of housing and shaft", s.LINEARISED, lambda c: c.at_hub()),
+        ("stiffness_with_housing_N_per_m", "N/m", "with the housing", s.LINEARISED, lambda c: c.with_housing),
+        ("hub_stiffness_N_per_m", "N/m", "with housing and shaft", s.LINEARISED, lambda c: c.at_hub()),
         ("tilt_stiffness_N_m_per_rad", "N m/rad", "tilting at constant load", s.TILTED,
          lambda c: c.tilted.tilt_stiffness),
-        ("stiffness_with_tilt", "N/m, N, N m", "stiffness in x, y, slopes in x, y", s.TILTED,
+        ("stiffness_with_tilt", "N/m, N, N m", "stiffness in x, y, tilts", s.TILTED,
          lambda c: c.tilted.stiffness),
-        ("stiffness_5x5", "N/m, N, N m", "stiffness in x, y, z, tilts about x, y", s.IN_SPACE,
+        ("stiffness_5x5", "N/m, N, N m", "stiffness in x, y, z, tilts", s.IN_SPACE,
          lambda c: np.outer(TO_SI, TO_SI) * c.in_space.stiffness),
         ("damping_N_s_per_m", "N s/m", "damping in x, y", s.LINEARISED,
          lambda c: _refuse("with [axial] damping is not implemented") if c.axial is not None
          else c.pitch.damping.mean(axis=0) if c.scene.damping.contacts.acts
          else _not_asked("the scene has no [damping] of contacts")),
-        ("hub_frequencies_Hz", "Hz", "natural frequencies of the hub", s.LINEARISED, lambda c: c.frequencies()),
+        ("hub_frequencies_Hz", "Hz", "natural frequencies of hub", s.LINEARISED, lambda c: c.frequencies()),
         ("hub_um", "µm", "hub at x, y", s.LINEARISED, lambda c: 1e6 * c.pitch.place.mean(axis=0))),
     "friction and film": (
         ("nu_mm2_s", "mm²/s", "viscosity in operation", s.VISCOSITY, lambda c: c.viscosity),
@@ -622,34 +640,32 @@ BLOCKS: dict[str, tuple[Row, ...]] = {
          lambda c: reference_viscosity(c.rpm, c.basic.pitch)),
         ("kappa", "1", "viscosity ratio κ", s.VISCOSITY, lambda c: c.kappa),
         ("film_um", "µm", "least film thickness", s.FILM, lambda c: 1e6 * c.film),
-        ("lambda", "1", "film thickness / roughness λ", s.FILM, lambda c: c.film_ratio()),
+        ("lambda", "1", "film / roughness λ", s.FILM, lambda c: c.film_ratio()),
         ("friction_torque_N_mm", "N mm", "frictional torque, ±30 %", s.BOTH_FRICTIONS,
          lambda c: {name: torque.total for name, torque in c.torques.items()}),
         ("friction_torque_palmgren_N_mm", "N mm", "Palmgren's speed and load parts", s.PALMGREN,
          lambda c: {"speed": c.torques["palmgren"].rolling, "load": c.torques["palmgren"].sliding}),
         ("power_loss_W", "W", "heat, ±30 %", s.BOTH_FRICTIONS, lambda c: c.losses),
-        ("temperature_rise_K", "K", "above the surroundings, estimate", s.HEAT, lambda c: c.temperature_rises()),
-        ("friction_torque_run_N_mm", "N mm", "torque by the run's dissipation", s.OF_RUN, lambda c: 1e3 * c.run.torque),
+        ("temperature_rise_K", "K", "temperature rise", s.HEAT, lambda c: c.temperature_rises()),
+        ("friction_torque_run_N_mm", "N mm", "torque by dissipation", s.OF_RUN, lambda c: 1e3 * c.run.torque),
         ("dissipated_run_W", "W", "power dissipated in the run", s.OF_RUN, lambda c: c.run.dissipated))}  # fmt: skip
 DECLARED = tuple((block, *row) for block, rows in BLOCKS.items() for row in rows)
 BULKY = {  # in the file and on the page only
-    "catalogue", "factors", "roller_loads_N", "L10r_by_misalignment_Mrev", "contacts", "stiffness_harmonics_N_per_m",
-    "friction_torque_palmgren_N_mm"}  # fmt: skip
-OPTION_OF = {
-    "a_ISO": "contamination",
-    "Lnm_h": "reliability",
-    "Lnmr_h": "reliability",
-    "lambda": "roughness",
-    "temperature_rise_K": "width",
-}
+    "catalogue", "factors", "operating_clearance_parts_um", "roller_loads_N", "L10r_by_misalignment_Mrev", "contacts",
+    "stiffness_harmonics_N_per_m", "friction_torque_palmgren_N_mm"}  # fmt: skip
+OPTION_OF = {"a_ISO": "contamination", "Lnm_h": "reliability", "Lnmr_h": "reliability", "lambda": "roughness",
+             "temperature_rise_K": "width"}  # fmt: skip
 
 
 class Rating(Mapping[str, Any]):
     """Values by name; `answers` have units and sources beside them."""
 
-    def __init__(self, case: Case, without: Collection[str] = ()):
-        self.case, self.scene = case, case.scene
-        self.answers = {declared[1]: _answer(case, *declared) for declared in DECLARED if declared[1] not in without}
+    def __init__(self, case: Case, without: Collection[str] = (), count: Callable[[], None] = lambda: None):
+        self.case, self.scene, self.answers = case, case.scene, dict[str, Answer]()
+        for declared in DECLARED:
+            if declared[1] not in without:
+                self.answers[declared[1]] = _answer(case, *declared)
+            count()
         self.warnings = tuple(_warnings(case, {name: answer.value for name, answer in self.answers.items()}))
 
     def __getitem__(self, name: str) -> Any:
@@ -686,9 +702,10 @@ def _plain(value: Any) -> Any:  # for JSON: arrays as lists, what is infinite or
     return value
 
 
-def rating(scene: Scene, options: Options | None = None) -> Rating:
-    """All answers to a scene, as rating(Scene(bearing={"designation": "NU206"}))["C_N"]."""
-    return Rating(Case(scene, options or Options()))
+def rating(scene: Scene, options: Options | None = None, count: Callable[[], None] = lambda: None) -> Rating:
+    """All answers to a scene, as rating(Scene(bearing={"designation": "NU206"}))["C_N"].
+    `count` : called after each"""
+    return Rating(Case(scene, options or Options()), count=count)
 
 
 def values_of(scene: Scene, names: Collection[str]) -> dict[str, float]:
@@ -701,7 +718,6 @@ def values_of(scene: Scene, names: Collection[str]) -> dict[str, float]:
 def _answer(
     case: Case, block: str, name: str, unit: str, meaning: str, source: Source, compute: Callable[[Case], Any]
 ) -> Answer:
-    weight = "" if case.options.cycle is not None else ", with weight"  # loads of a file are taken as they stand
     value, reason, asked = None, "", True
     try:
         value = compute(case)
@@ -712,7 +728,7 @@ def _answer(
         reason, option = str(error), OPTION_OF.get(name)
         given = option is not None and getattr(case.options, option) != Options._field_defaults[option]
         asked = given or not isinstance(error, NotAsked)
-    return Answer(block, name, value, unit, meaning.format(weight=weight), source, reason, asked)
+    return Answer(block, name, value, unit, meaning, source, reason, asked)
 
 
 def _differing(case: Case, ratio: float) -> Iterator[str]:

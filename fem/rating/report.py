@@ -1,77 +1,165 @@
-"""What rate-bearing prints, its JSON file, and rating.html: one file, to be opened anywhere."""
+"""The sheet of a rating in six blocks: on the terminal, as JSON, as rating.html, to be opened or printed anywhere."""
 
 import json
-from collections import defaultdict
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import date
+from itertools import groupby
 from pathlib import Path
-from typing import Any
+from textwrap import wrap
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from fem.rating.answers import BULKY, Answer, Rating
 from lagrange.files.output import load_matplotlib, render_page, write_whole
-from lagrange.messages import Section, shown
+from lagrange.messages import Section, engineering, shown
+from lagrange.rating.sources import Source
 from lagrange.version import VERSION
 
-ON_PAPER = {"N/m": (1e-6, "N/µm"), "1": (1.0, "")}  # units that engineers read
+if TYPE_CHECKING:
+    from rich.text import Text
+
+MIXED = "N/m, N, N m", "N/µm, N/mrad, N m/mrad"  # of a matrix of displacements and, at its end, of both tilts
+NAMES = {"skf": "SKF", "palmgren": "Palmgren"}
+TABLED = "contacts", "catalogue", "stiffness_harmonics_N_per_m"  # no lines of the sheet
+FIGURE_SPACE = "\u2007"  # as wide as a digit
+LABEL, WIDTH, WIDE = 28, 78, 100  # characters: of a label, of a block, of a terminal that has two beside each other
+NOTES = "means are over a pitch of the rollers; y points against the load, x across it"
+SECOND_HAND = f"† constants from secondary sources, which the JSON file names; {NOTES}"
 VERDICT = (  # of what there is, the first of one kind: answer, factor, words
     ("C_N", 1e-3, "C = {:.1f} kN"), ("C0_N", 1e-3, "C0 = {:.1f} kN"), ("P_N", 1.0, "P = {:.0f} N"),
     ("L10_h", 1.0, "L10 = {:.0f} h"), ("L10_Mrev", 1.0, "L10 = {:.0f} million revolutions"))  # fmt: skip
 TEMPLATE = Path(__file__).parent / "template" / "rating.html.j2"
 
 
-def write_json(path: Path, rating: Rating) -> None:
-    """The answers, with reasons and sources; OSError."""
-    text = json.dumps(rating.to_json(), indent=1, ensure_ascii=False, allow_nan=False)
-    write_whole(path, (text + "\n").encode())
+class Line(NamedTuple):
+    """A line of the sheet."""
+
+    meaning: str
+    value: str  # of a matrix, lines
+    source: Source
+
+
+def write_json(path: Path, found: object) -> None:
+    """Answers with reasons and sources; OSError."""
+    write_whole(path, (json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode())
+
+
+def sheet(rating: Rating, bulky: bool = False) -> dict[str, list[Line]]:
+    """What could be computed, by block; answers of one meaning in one line."""
+    found: dict[str, list[Line]] = {}
+    for (block, meaning), group in groupby(rating.answers.values(), lambda answer: (answer.block, answer.meaning)):
+        there = [each for each in group if each.value is not None and (bulky or each.name not in BULKY)]
+        if there and there[0].name not in TABLED:
+            line = Line(meaning, ", ".join(in_words(each) for each in there), there[0].source)
+            found.setdefault(block, []).append(line)
+    return found
 
 
 def in_words(answer: Answer) -> str:
     """A value with its unit for people."""
-    factor, unit = ON_PAPER.get(answer.unit, (1.0, answer.unit))
-    return f"{_number(answer.value, factor)} {unit}".rstrip()
+    value, (factor, unit) = answer.value, engineering(answer.unit)
+    if np.ndim(value) >= 2:
+        return _matrix(np.asarray(value), answer.unit)
+    return f"{_number(value, factor)} {unit}".rstrip()
 
 
-def _number(value: Any, factor: float) -> str:
-    if value is None or isinstance(value, str):
-        return value or "none"
+def _number(value: Any, factor: float = 1.0) -> str:
+    if isinstance(value, str):
+        return value
     if isinstance(value, dict):
-        return ", ".join(f"{name} {_number(each, factor)}" for name, each in value.items())
-    if np.ndim(value) == 0:
-        scaled = factor * float(value)
-        return f"{scaled:.4g}" if abs(scaled) < 1e4 or abs(scaled) >= 1e7 else f"{scaled:.0f}"
-    if np.ndim(value) == 3:
-        return " to ".join(_number(each, factor) for each in value)
-    # 0 in place of the round-off of what symmetry makes 0
-    rows = np.where(np.abs(value) < 1e-9 * np.max(np.abs(value)), 0.0, value)
-    if np.shape(value) == (2, 2):
-        return "; ".join(", ".join(_number(each, factor) for each in row) for row in rows)
-    return ", ".join(_number(each, factor) for each in rows)
+        parts = ((NAMES.get(name, name.replace("_", " ")), part) for name, part in value.items() if part is not None)
+        return ", ".join(f"{name} {_number(part, factor)}" for name, part in parts)
+    if np.ndim(value) == 1:
+        return ", ".join(_number(each, factor) for each in _rounded(np.asarray(value)))
+    scaled = factor * float(value) + 0.0  # no -0
+    return f"{scaled:.4g}" if abs(scaled) < 1e4 or abs(scaled) >= 1e7 else f"{scaled:.0f}"
+
+
+def _rounded(values: np.ndarray) -> np.ndarray:  # 0 in place of the round-off of what symmetry makes 0
+    return np.where(np.abs(values) < 1e-9 * np.max(np.abs(values)), 0.0, values)
+
+
+def _matrix(value: np.ndarray, unit: str) -> str:
+    """Lines with entries below each other; of lowest and highest ones, a line an entry."""
+    factor, words = engineering(unit)
+    if value.ndim == 3:
+        low, high = (_rounded(each) for each in (value.min(axis=0), value.max(axis=0)))
+        parts = ((name, *map(_number, factor * np.array([low[at], high[at]])))
+                 for name, at in (("xx", (0, 0)), ("yy", (1, 1)), ("xy", (0, 1))))  # fmt: skip
+        return "\n".join(f"{name} {least} to {most}" for name, least, most in parts) + f" {words}"
+    scale, size = np.full(value.shape, factor), np.sqrt(np.abs(np.diag(value)))
+    if unit == MIXED[0]:
+        scale[:], scale[:-2, :-2], words = 1e-3, 1e-6, MIXED[1]
+    entries = np.where(np.abs(value) < 1e-7 * np.outer(size, size), 0.0, scale * value)
+    cells = [[_number(each) for each in row] for row in entries]
+    wide = max(len(cell) for row in cells for cell in row)
+    rows = ["  ".join(f"{cell:>{wide}}" for cell in row) for row in cells]
+    return "\n".join([words, *rows] if len(rows) > 2 else [*rows[:-1], f"{rows[-1]} {words}"])
+
+
+def _ratings_in_words(rating: Rating) -> list[str]:  # where they are not the standards'
+    return [of["words"] for of in (rating["catalogue"] or {}).values() if of["words"]]
+
+
+def missing(rating: Rating) -> dict[str, str]:
+    """Meanings of what was asked for and could not be computed, by the reason."""
+    found: dict[str, list[str]] = {}
+    for answer in rating.answers.values():
+        if answer.reason and answer.asked and answer.name not in BULKY:
+            found.setdefault(answer.reason, []).append(answer.meaning)
+    return {reason: "; ".join(dict.fromkeys(meanings)) for reason, meanings in found.items()}
 
 
 def print_rating(rating: Rating) -> None:
-    """A table of what could be computed, what could not with its reason, then warnings."""
+    """Six blocks, beside each other where the terminal is wide; what is missing with its reason; warnings."""
     from rich.console import Console
-    from rich.markup import escape
     from rich.table import Table
 
-    console = Console(highlight=False)
-    table, missing = Table(box=None, pad_edge=False, show_header=False), defaultdict[str, list[str]](list)
-    for answer in rating.answers.values():
-        if not answer.asked:
-            continue
-        if answer.value is None:
-            missing[answer.reason].append(answer.name)
-        elif answer.name not in BULKY:
-            source = answer.source.name + (" †" if answer.source.second_hand else "")
-            table.add_row(*(escape(shown(cell)) for cell in (answer.meaning, in_words(answer), source)))
+    console, blocks = Console(highlight=False), sheet(rating)
     console.print(f"Rating of {shown(rating.name)}", style="italic", markup=False)
-    console.print(table)
+    if console.is_terminal and console.width >= WIDE:
+        width = min(WIDTH, console.width // 2 - 3)
+        texts, grid = [_block(name, lines, width) for name, lines in blocks.items()], Table.grid(padding=(0, 3, 0, 0))
+        half = min(range(1, len(texts)), key=lambda k: max(_height(texts[:k]), _height(texts[k:])))
+        grid.add_row(*(_joined(texts[part]) for part in (slice(half), slice(half, None))))
+        console.print(grid)
+    else:
+        width = min(WIDTH, console.width)
+        console.print(_joined([_block(name, lines, width) for name, lines in blocks.items()]), soft_wrap=True)
     lines = [f"defaults: {rating.scene.assumed}"] if rating.scene.assumed else []
-    lines += [of["words"] for of in (rating["catalogue"] or {}).values() if of["words"]]
-    lines.append("† some constants taken from secondary sources, see the JSON file")
-    lines += [f"not computed: {', '.join(names)}: {shown(reason)}" for reason, names in missing.items()]
-    for line in (*lines, *(f"warning: {shown(warning)}" for warning in rating.warnings)):
-        console.print(line, soft_wrap=True, markup=False)
+    lines += _ratings_in_words(rating)
+    lines += [SECOND_HAND, *(f"not computed: {meanings}: {reason}" for reason, meanings in missing(rating).items())]
+    for line in (*lines, *(f"warning: {warning}" for warning in rating.warnings)):
+        console.print(shown(line), soft_wrap=True, markup=False)
+
+
+def _block(name: str, lines: list[Line], width: int) -> "Text":
+    from rich.text import Text
+
+    text, right = Text(no_wrap=True).append(f"{name.capitalize()}\n", "bold"), width - LABEL
+    for line in lines:
+        labels, values = wrap(line.meaning, LABEL - 1), line.value.split("\n")
+        values[-1] += "†" if line.source.second_hand else ""
+        if values[0] == MIXED[1] and max(map(len, values)) > right:  # a large matrix below its label
+            text.append(f"{labels[0]:{LABEL}}{values[0]}\n" + "".join(f"  {row}\n" for row in values[1:]))
+            continue
+        values = [part for value in values for part in wrap(shown(value), right)]
+        for k in range(max(len(labels), len(values))):
+            label, value = (texts[k] if k < len(texts) else "" for texts in (labels, values))
+            text.append(f"{label:{LABEL}}{value}".rstrip() + "\n")
+    return text
+
+
+def _height(texts: "Sequence[Text]") -> int:
+    return sum(text.plain.count("\n") + 1 for text in texts)
+
+
+def _joined(texts: "Sequence[Text]") -> "Text":
+    from rich.text import Text
+
+    return Text("\n", no_wrap=True).join(texts)
 
 
 def write_page(path: Path, rating: Rating) -> None:
@@ -79,26 +167,39 @@ def write_page(path: Path, rating: Rating) -> None:
     load_matplotlib()
     from fem.rating.figures import rating_figures
 
-    rows, parts, contacts, found = [], [], [], rating["contacts"] or {}
-    for a in rating.answers.values():
-        if a.value is not None and not isinstance(a.value, dict):
-            rows.append((a.meaning, in_words(a), str(a.source)))
-        elif a.value is not None and a.name not in ("contacts", "catalogue"):
-            for name, part in a.value.items():
-                value = "not in the scene" if part is None else f"{part:.4g} {a.unit}"
-                parts.append((f"{a.meaning}, {name.replace('_', ' ')}", value, str(a.source)))
-    for key in next(iter(found.values()), ()):
-        name, _, unit = key.rpartition("_")
-        words = f"{name.replace('_', ' ').replace('von mises', 'von Mises stress')}, {unit.replace('um', 'µm')}"
-        contacts.append((words, *(f"{values[key]:.4g}" for values in found.values())))
-    missing = [(a.meaning, a.reason) for a in rating.answers.values() if a.reason]
-    text = render_page(
-        TEMPLATE, name=rating.name, verdict=_verdict(rating), warnings=rating.warnings, version=VERSION,
-        numbers=Section(columns=("", "value", "source"), rows=rows + parts, kind="words stacked"),
-        contacts=Section(columns=("most loaded contact", "inner raceway", "outer raceway"), rows=contacts),
-        stresses=rating.answers["contacts"].source, missing=Section(columns=(), rows=missing, kind="words"),
-        figures=rating_figures(rating.case), scene=rating.scene.to_toml())  # fmt: skip
+    blocks, contacts, sections = sheet(rating, bulky=True), rating["contacts"], []
+    sources = list(dict.fromkeys(line.source for lines in blocks.values() for line in lines))
+    for block, lines in blocks.items():
+        small = [line for line in lines if not line.value.startswith(MIXED[1])]
+        rows = [(line.meaning, re.sub(r" {2,}", lambda blanks: FIGURE_SPACE * len(blanks[0]), line.value),
+                 f"{line.source.name} [{sources.index(line.source) + 1}]") for line in small]  # fmt: skip
+        sections.append(Section((), rows, block.capitalize(), kind="words rated"))
+        for line in (line for line in lines if line not in small):
+            unit, *entries = line.value.split("\n")
+            names = *"xyz"[: len(entries) - 2], "tilt x", "tilt y"
+            rows = [(name, *row.split()) for name, row in zip(names, entries, strict=True)]
+            sections.append(Section((unit, *names), rows))
+        if block == "stresses" and contacts:
+            inner, outer = contacts["inner"], contacts["outer"]
+            rows = [(_stress(key), f"{inner[key]:.4g}", f"{outer[key]:.4g}") for key in inner]
+            sections.append(Section(("most loaded contact", "inner", "outer"), rows))
+    _write(path, rating.name, [rating], sections=sections, verdict=_verdict(rating),
+           warnings=[*_ratings_in_words(rating), *rating.warnings],
+           missing=Section((), [(meanings, reason) for reason, meanings in missing(rating).items()], kind="words"),
+           sources=Section((), [(f"[{k}]", str(each)) for k, each in enumerate(sources, 1)], kind="words sources"),
+           figures=rating_figures(rating.case))  # fmt: skip
+
+
+def _write(path: Path, name: str, ratings: Sequence[Rating], **values: Any) -> None:
+    scenes = {rating.name: rating.scene.to_toml() for rating in ratings}
+    text = render_page(TEMPLATE, name=name, today=date.today().isoformat(), version=VERSION, scenes=scenes,
+                       notes=NOTES, **values)  # fmt: skip
     write_whole(path, text.encode())
+
+
+def _stress(key: str) -> str:
+    name, _, unit = key.rpartition("_")
+    return f"{name.replace('_', ' ').replace('von mises', 'von Mises stress')}, {unit.replace('um', 'µm')}"
 
 
 def _verdict(rating: Rating) -> str:  # the first sentence
@@ -111,3 +212,69 @@ def _verdict(rating: Rating) -> str:  # the first sentence
         matrix = 1e-6 * rating["stiffness_N_per_m"]
         words["k"] = f"stiffness {matrix[1, 1]:.0f} N/µm along the load, {matrix[0, 0]:.0f} N/µm across it"
     return "; ".join(words.values()) + "."
+
+
+# Bearings side by side under the same load
+
+
+def compared(ratings: Mapping[str, Rating]) -> Iterator[Section]:
+    """A table a block with a column each; of matrices their diagonals."""
+    columns = [rating.answers for rating in ratings.values()]
+    for block, names in groupby(columns[0], lambda name: columns[0][name].block):
+        rows = []
+        for name in names:
+            of = [answers[name] for answers in columns]
+            if name not in {"designation", *BULKY} and any(
+                each.value is not None and np.ndim(each.value) <= 2 for each in of
+            ):
+                unit = MIXED[1] if of[0].unit == MIXED[0] else engineering(of[0].unit)[1]
+                rows.append((f"{of[0].meaning}, {unit}".rstrip(", "), *map(_cell, of)))
+        yield Section(("", *ratings), rows, block.capitalize())
+
+
+def _cell(answer: Answer) -> str:
+    value, factor = answer.value, engineering(answer.unit)[0]
+    if value is None or np.ndim(value) > 2:
+        return "–"
+    if np.ndim(value) == 2:
+        value = np.diag(value) * (np.array([1e-6] * (len(value) - 2) + [1e-3] * 2) if answer.unit == MIXED[0] else 1.0)
+    return _number(value, factor)
+
+
+def remarks(ratings: Mapping[str, Rating]) -> Iterator[str]:
+    """What is missing with its reason, and warnings; those of all bearings once."""
+    found: dict[str, list[str]] = {}
+    for name, rating in ratings.items():
+        for reason, meanings in missing(rating).items():
+            found.setdefault(f"not computed: {meanings}: {reason}", []).append(name)
+        for warning in rating.warnings:
+            found.setdefault(f"warning: {warning}", []).append(name)
+    for text, names in found.items():
+        yield text if len(names) == len(ratings) else f"{', '.join(names)}: {text}"
+
+
+def print_comparison(name: str, ratings: Mapping[str, Rating]) -> None:
+    """One table, then what is missing and warnings."""
+    from rich.console import Console
+    from rich.table import Table
+
+    console, table = Console(highlight=False), Table.grid(padding=(0, 2, 0, 0))
+    console.width = console.width if console.is_terminal else 110
+    console.print(f"Rating of {shown(name)}", style="italic", markup=False)
+    table.add_column(no_wrap=True)
+    for _ in ratings:
+        table.add_column(justify="right")
+    for section in compared(ratings):
+        table.add_row(section.title, *ratings, style="bold")
+        for row in section.rows:
+            table.add_row(*map(shown, row))
+        table.add_row()
+    console.print(table)
+    for line in (SECOND_HAND, *remarks(ratings)):
+        console.print(shown(line), soft_wrap=True, markup=False)
+
+
+def write_comparison(path: Path, name: str, ratings: Mapping[str, Rating]) -> None:
+    """Its page; OSError."""
+    _write(path, name, list(ratings.values()), sections=list(compared(ratings)), verdict="", figures=[],
+           warnings=list(remarks(ratings)), missing=Section((), []), sources=Section((), []))  # fmt: skip

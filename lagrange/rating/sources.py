@@ -78,6 +78,7 @@ PALMGREN = Source("Palmgren",
     _RECALLED)
 BOTH_FRICTIONS = Source("SKF, Palmgren", f"{SKF.text}; {PALMGREN.text}", SKF.second_hand)
 HEAT = Source("ISO 15312", "reference heat flow, 0.016 W/mm² of π B (d + D) at 70 °C against 20 °C", _RECALLED)
+SCENE = Source("scene", "as it was given")
 CLEARANCE = Source("scene, Lamé", "the scene's clearance; fits and temperatures of its [fit]; spin; the films")
 FITS = Source("Lamé", "Harris, Rolling Bearing Analysis (4th ed. 2001), chapter 3: rings in plane stress",
     "book not read")

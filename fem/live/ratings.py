@@ -26,6 +26,7 @@ BEYOND = (  # the controls of motion
             STEEPEST, 0.1),
     Control("viscosity_mm2_s", "Viscosity of the oil", "mm²/s", "in operation; 0: no lubricant", 0.0, THICKEST, 1.0),
 )  # fmt: skip
+LOADS, NOT_OF_ALL = ("radial_load_N", "speed_rpm"), ("axial_load_N", "misalignment_mrad")  # bearings take the latter
 ORDER = ("radial_load_N", "axial_load_N", "speed_rpm", "clearance_um", "misalignment_mrad", "viscosity_mm2_s")
 
 
@@ -54,18 +55,18 @@ def scenes(given: Scene, wanted: Wanted) -> tuple[Scene, Scene, Options]:
     tables = {name: table for name, table in tomllib.loads(given.to_written_toml()).items() if name in RATED}
     oil = tables.pop("lubricant", {})
     if wanted.bearing not in ("", given.bearing.designation):
-        of_given = {name: getattr(given.operation, name) for name in ("speed_rpm", "radial_load_N")}
+        of_given = {name: getattr(given.operation, name) for name in LOADS}
         tables = {"bearing": {"designation": wanted.bearing}, "operation": of_given}
+    tables["model"] = "lagrange"
     content_of(tables, given.files)
-    base = parse_scene(tables | {"model": "lagrange"}, "these values")
-    operation, bearing = tables.get("operation", {}), tables.get("bearing", {})
-    loads = {key: getattr(wanted, key) for key in ("radial_load_N", "axial_load_N", "speed_rpm", "misalignment_mrad")}
-    operation |= {key: value for key, value in loads.items() if value is not None}
-    for key in ("axial_load_N", "misalignment_mrad"):
+    base = parse_scene(tables, "these values")
+    operation, bearing = tables.setdefault("operation", {}), tables.setdefault("bearing", {})
+    operation |= wanted.model_dump(include={*LOADS, *NOT_OF_ALL}, exclude_none=True)
+    for key in NOT_OF_ALL:
         if not operation.get(key):
-            operation.pop(key, None)  # which not every bearing takes
+            operation.pop(key, None)
     if wanted.clearance_um is not None:
-        bearing = bearing | {"clearance_um": wanted.clearance_um}
+        bearing["clearance_um"] = wanted.clearance_um
         bearing.pop("outer_raceway_diameter_mm", None)
     balls, options = base.bearing.type == "ball", Options(angles=ANGLES)
     viscosity = wanted.viscosity_mm2_s
@@ -78,7 +79,6 @@ def scenes(given: Scene, wanted: Wanted) -> tuple[Scene, Scene, Options]:
     cylindrical = not (balls or base.bearing.contact_angle_deg)
     if "axial" in tables or (cylindrical and "misalignment_mrad" in operation):
         tables["axial"] = tables.get("axial", {}) | {"slices": SLICES}
-    tables |= {"model": "lagrange", "operation": operation, "bearing": bearing}
     return base, parse_scene(tables, "these values"), options
 
 

@@ -28,8 +28,8 @@ from fem.live import server as server_module
 from fem.live.player import MOST_PLACES, Player, Record, changed, controls, values_of
 from fem.live.ratings import ANGLES, LEFT_OUT, Wanted, rate
 from fem.live.server import LiveServer, Pace, make_page
-from fem.rating.answers import BLOCKS, BULKY, Case, Options, Rating
-from fem.rating.report import in_words
+from fem.rating.answers import Case, Options, Rating
+from fem.rating.sheet import missing, sheet
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
 from lagrange.contact.hertz import contact_pairs
@@ -435,7 +435,7 @@ OILED = ("lubricant.viscosity_Pa_s=0.02",)
     (TAPERED, {"speed_rpm": 900.0, "viscosity_mm2_s": 20.0},
      (*TAPERED, "operation.speed_rpm=900", f"lubricant.viscosity_Pa_s={OIL}")),
     (("operation.radial_load_N=800",), {"bearing": "nu 206 ecp", "clearance_um": 15.0, "viscosity_mm2_s": 20.0},
-     ("bearing.designation=NU206", "bearing.clearance_um=15", "operation.radial_load_N=800",
+     ("bearing.designation=nu 206 ecp", "bearing.clearance_um=15", "operation.radial_load_N=800",
       f"lubricant.viscosity_Pa_s={OIL}")),
     (OILED, {"bearing": "6206/C3", "radial_load_N": 500.0},
      ('bearing.designation="6206/C3"', "operation.radial_load_N=500")),
@@ -450,11 +450,13 @@ def test_a_slider_s_answers_are_those_of_rate_bearing_to_the_same_scene(given, w
     viscosity = 1e6 * 0.02 / 870.0 if given == OILED else None  # of balls, which have no [lubricant]
     case = Case(scene, Options(viscosity=viscosity))
     whole, found = Rating(case, LEFT_OUT), rate(scene_of(*given), Wanted(**wanted))
-    shown = {name: (block, value) for block, rows in found["blocks"].items() for name, _, value, *_ in rows}
-    assert found["blocks"].keys() == BLOCKS.keys() and shown.keys() == whole.answers.keys() - BULKY
-    over_a_pitch = {answer.name for answer in whole.answers.values() if answer.source in (LINEARISED, TILTED)}
-    for name in shown.keys() - over_a_pitch:
-        assert shown[name] == (whole.answers[name].block, in_words(whole.answers[name])), name
+    over_a_pitch = {answer.meaning for answer in whole.answers.values() if answer.source in (LINEARISED, TILTED)}
+    assert found["missing"] == missing(whole) and found["blocks"].keys() == sheet(whole).keys()
+    for block, lines in sheet(whole).items():
+        shown = {meaning: value for meaning, value, *_ in found["blocks"][block]}
+        assert list(shown) == [line.meaning for line in lines]
+        for line in lines:
+            assert line.meaning in over_a_pitch or shown[line.meaning] == line.value, line
     few = Case(scene, Options(angles=ANGLES)).stiffness
     assert np.diag(few) == pytest.approx(np.diag(whole["stiffness_N_per_m"]), rel=0.03)
     assert parse_scene_text(found["toml"], "saved").perfect_bearing() == scene.perfect_bearing()

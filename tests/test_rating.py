@@ -19,8 +19,9 @@ from fem.pictures.recover import StoredRun
 from fem.rating import figures
 from fem.rating.answers import BLOCKS, DECLARED, Answer, Case, Options
 from fem.rating.equilibria import elastic_pitch
-from fem.rating.report import in_words, write_page
+from fem.rating.report import write_page
 from fem.rating.ross import NAMES, coefficients, read_coefficients, write_coefficients
+from fem.rating.sheet import in_words
 from fem.statics.contact_balance import HubSpring, Loads, balance, closed_forces, first_guess, hub_stiffness
 from fem.statics.exact_statics import reduced_bearing
 from lagrange import contact_laws

@@ -2,13 +2,14 @@
 
 import time
 import tomllib
+from collections.abc import Iterator
 
 import numpy as np
 from pydantic import BaseModel, Field
 
 from fem.live.player import MM, STEEPEST, UM, Control, controls, values_of
-from fem.rating.answers import BLOCKS, BULKY, Case, Options, Rating
-from fem.rating.report import in_words
+from fem.rating.answers import BLOCKS, Answer, Case, Options, Rating
+from fem.rating.sheet import Line, in_words, missing, sheet
 from lagrange.kinematics import roller_angles
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.scene import Scene, content_of, parse_scene
@@ -26,6 +27,9 @@ BEYOND = (  # the controls of motion
             STEEPEST, 0.1),
     Control("viscosity_mm2_s", "Viscosity of the oil", "mm²/s", "in operation; 0: no lubricant", 0.0, THICKEST, 1.0),
 )  # fmt: skip
+MAIN = (  # above all blocks: of each the first that there is
+    ("L10_h", "L10_Mrev"), ("L10r_h", "L10r_Mrev"), ("s0",), ("pressure_over_permitted",),
+    ("largest_load_N", "peak_pressure_MPa"), ("kappa",))  # fmt: skip
 LOADS, NOT_OF_ALL = ("radial_load_N", "speed_rpm"), ("axial_load_N", "misalignment_mrad")  # bearings take the latter
 ORDER = ("radial_load_N", "axial_load_N", "speed_rpm", "clearance_um", "misalignment_mrad", "viscosity_mm2_s")
 
@@ -87,13 +91,6 @@ def rate(given: Scene, wanted: Wanted) -> dict[str, object]:
     began = time.perf_counter()
     base, scene, options = scenes(given, wanted)
     rating = Rating(Case(scene, options), LEFT_OUT)
-    blocks = dict[str, list]()
-    for answer in rating.answers.values():
-        if answer.name not in BULKY:
-            by = answer.source
-            source = by.name + " †" * bool(by.second_hand), by.text
-            row = answer.name, answer.meaning, in_words(answer), answer.reason, source
-            blocks.setdefault(answer.block, []).append(row)
     operation = scene.operation
     values = values_of(scene) | {
         "axial_load_N": operation.axial_load_N or 0.0, "misalignment_mrad": operation.misalignment_mrad or 0.0,
@@ -101,9 +98,20 @@ def rate(given: Scene, wanted: Wanted) -> dict[str, object]:
     return {
         "name": scene.name, "values": {key: values[key] for key in ORDER},
         "ends": {each.key: [each.low, each.high, each.step] for each in sliders(base)},
-        "blocks": blocks, "warnings": rating.warnings, "picture": picture(rating.case), "toml": scene.to_toml(),
-        "ms": 1e3 * (time.perf_counter() - began),
+        "tiles": [(each.meaning, in_words(each)) for each in _main(rating)],
+        "blocks": {block: [_plain(line) for line in lines] for block, lines in sheet(rating).items()},
+        "missing": missing(rating), "warnings": rating.warnings, "picture": picture(rating.case),
+        "toml": scene.to_toml(), "ms": 1e3 * (time.perf_counter() - began),
     }  # fmt: skip
+
+
+def _plain(line: Line) -> tuple[str, ...]:
+    return line.meaning, line.value, line.source.name + " †" * bool(line.source.second_hand), str(line.source)
+
+
+def _main(rating: Rating) -> Iterator[Answer]:
+    for names in MAIN:
+        yield from [rating.answers[name] for name in names if rating[name] is not None][:1]
 
 
 def picture(case: Case) -> dict[str, object] | None:

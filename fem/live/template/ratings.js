@@ -1,7 +1,6 @@
 // Tabs, and the ratings of one of them: each wish is answered once, of many only the last.
 const ratings = (function () {
   const $ = (id) => document.getElementById(id);
-  const TILES = [["L10_h", "L10_Mrev"], ["L10r_h", "L10r_Mrev"], ["s0"], ["pressure_over_permitted"], ["largest_load_N", "peak_pressure_MPa"], ["kappa"]];
   const tabs = [$("motion-tab"), $("ratings-tab")], inputs = [...document.querySelectorAll("[data-load]")];
   const canvas = drawing.over($("section"));
   let send = () => {}, wish = {}, found = null, top = 1e-9, address = null, half = null; // the box in which a number is half written
@@ -25,7 +24,7 @@ const ratings = (function () {
       if (input.type === "range") [input.min, input.max, input.step] = found.ends[key];
       if (!input.matches("[type=range]:active") && input !== half) input.value = Number(found.values[key].toFixed(6));
     }
-    tile();
+    $("tiles").replaceChildren(...found.tiles.map(([meaning, value]) => pair(meaning, element("dd", value))));
     list();
     $("warned").replaceChildren(...found.warnings.map((sentence) => element("li", "⚠ " + sentence)));
     $("warned").hidden = found.warnings.length === 0;
@@ -43,12 +42,6 @@ const ratings = (function () {
     for (const id of ["tiles", "blocks"]) $(id).classList.toggle("stale", Boolean(sentence));
   }
 
-  function tile() {
-    const rows = new Map(Object.values(found.blocks).flat().map((row) => [row[0], row]));
-    const chosen = TILES.map((names) => names.map((name) => rows.get(name)).find((row) => row && !row[3])).filter(Boolean);
-    $("tiles").replaceChildren(...chosen.map(([, meaning, value]) => pair(meaning, element("dd", value))));
-  }
-
   function pair(meaning, value) {
     const both = element("div", "");
     both.append(element("dt", meaning), value);
@@ -56,21 +49,23 @@ const ratings = (function () {
   }
 
   function list() {
-    const all = $("reasons").checked;
-    $("blocks").replaceChildren($("picture"), ...Object.entries(found.blocks).map(([name, rows]) => {
-      const section = element("section", "", { className: "card" }), table = element("dl", "");
-      for (const [, meaning, value, reason, source] of rows) {
-        if (reason && !all) continue;
-        const cell = element("dd", reason || value);
-        if (cell.textContent.includes("\n")) cell.className = "matrix";
-        if (all && !reason) cell.append(element("small", source[0], { title: source[1] }));
-        const row = pair(meaning, cell);
-        row.className = reason ? "missing" : "";
-        table.append(row);
-      }
-      section.append(element("h2", name), table);
-      return section;
-    }));
+    const all = $("reasons").checked, blocks = Object.entries(found.blocks).map(([name, lines]) => block(name, lines.map(line)));
+    const missing = Object.entries(found.missing).map(([reason, meanings]) => pair(meanings, element("dd", reason)));
+    if (all && missing.length) blocks.push(block("not computed", missing));
+    $("blocks").replaceChildren($("picture"), ...blocks);
+
+    function line([meaning, value, source, text]) {
+      const cell = element("dd", value, { className: value.includes("\n") ? "matrix" : "" });
+      if (all) cell.append(element("small", source, { title: text }));
+      return pair(meaning, cell);
+    }
+  }
+
+  function block(name, lines) {
+    const section = element("section", "", { className: "card " + name.replaceAll(" ", "-") }), table = element("dl", "");
+    table.append(...lines);
+    section.append(element("h2", name), table);
+    return section;
   }
 
   function draw() {

@@ -114,9 +114,10 @@ def has_balls(name: str) -> bool:
 def listed(designation: object) -> tuple[str, str] | None:
     """A bearing of the table, and its group of clearance, of a designation as people write it; None: not in the table.
 
-    "nu 206", "NU206ECP" and "NU 206 ECP/C3" are NU206: the letters after the number name design, cage and seals.
+    "nu 206", "NU206ECP" and "NU 206 ECP/C3" are NU206: the letters after the number name design, cage and seals. A
+    number may be one: 6205.
     """
-    return _listed(_written(designation)) if isinstance(designation, str) else None
+    return _listed(_written(str(designation))) if isinstance(designation, str | int) else None
 
 
 def pitch_unsure(designation: str) -> float:

@@ -70,7 +70,7 @@ def test_capacities_by_the_standards_tables_a_catalogue_and_the_pressures_they_m
     contact = hertz.line_contact(hertz.contact_pairs(bearing)[0], 5.0 * capacity / 13)
     assert contact.peak_pressure == pytest.approx(4020e6, abs=1e6)
     assert contact.peak_pressure == pytest.approx(hertz.PERMITTED, rel=0.01)
-    assert life.fatigue_load_limit(PAPER) == pytest.approx(capacity / 8.2)
+    assert life.fatigue_load_limit(capacity, PAPER.pitch) == pytest.approx(capacity / 8.2)
     for name in ("6205", "6008", "6310"):
         balls = read_scene(None, (f"bearing.designation='{name}'", "material.youngs_modulus_GPa=207")).ideal_bearing()
         pressure = hertz.ball_pressure(balls, "inner", 5.0 * life.Basic.of(balls).static / balls.n_rollers)
@@ -575,6 +575,11 @@ def test_ratings_are_those_given_or_the_makers_or_the_standards(here, capsys):
             Dimensions.of(its.unmounted_bearing())
         )
     assert scene("bearing.clearance_um=10", "bearing.rollers=13").bearing.known_ratings  # as the table has it
+    hybrid = "bearing.designation=6205", "material.roller.youngs_modulus_GPa=310", "operation.axial_load_N=500"
+    both = "bearing.dynamic_load_rating_N=14800", "bearing.static_load_rating_N=7800"
+    assert rating(read_scene(None, hybrid))["C_N"] is None
+    hybrid = rating(read_scene(None, hybrid + both))
+    assert hybrid["L10_Mrev"] > hybrid["L10r_Mrev"] > 0.0 and hybrid["catalogue"]["C"]["ISO_N"] is None
 
 
 def test_rows_of_balls_and_springs_in_series_and_beside():

@@ -484,14 +484,17 @@ class Case:
 
     @cached_property
     def catalogue(self) -> dict[str, dict[str, Any]]:  # C, C0 and C_u, N, where each comes from, and the standard's
-        known, iso, found = self.scene.bearing.known_ratings, Basic.of(self.scene.unmounted_bearing()), {}
+        known, iso, found = self.scene.bearing.known_ratings, None, {}
+        with suppress(Unavailable):
+            iso = Basic.of(self.scene.unmounted_bearing())
         for letter, (name, standard) in RATINGS.items():
-            value, own, words = getattr(self.basic, name), getattr(iso, name), ""
+            value, words = getattr(self.basic, name), ""
+            own = value if iso is None else getattr(iso, name)
             source = known[name][1] if name in known else standard if value == own else f"{standard} from that C0"
             if abs(off := value / own - 1.0) > NOTED:
                 off_by = f"{100.0 * abs(off):.0f} % {'above' if off > 0.0 else 'below'} {standard}'s {own:.0f} N"
                 words = f"{letter} {value:.0f} N ({source}), {off_by}"
-            found[letter] = {"value_N": value, "source": source, "ISO_N": own, "words": words}
+            found[letter] = {"value_N": value, "source": source, "ISO_N": iso and own, "words": words}
         return found
 
 

@@ -42,18 +42,19 @@ class Dimensions:
         """Of a bearing. Unavailable: it has balls, lacks rollers, or is not of steel."""
         if isinstance(bearing, BallBearing):
             raise Unavailable("computed for rollers; this one has balls")
-        _refuse_unrated(bearing)
+        if bearing.missing:
+            raise Unavailable("computed for complete bearings; rollers of this one are missing")
+        _refuse_other_than_steel(bearing)
         return cls(rollers=bearing.n_rollers, diameter=2e3 * bearing.element_radius, length=1e3 * bearing.roller_length,
             pitch=2e3 * bearing.pitch_radius, cosine=bearing.cosine, rows=bearing.rows)  # fmt: skip
 
 
-def _refuse_unrated(bearing):
-    if bearing.missing:
-        raise Unavailable("ratings are those of complete bearings; rollers of this one are missing")
+def _refuse_other_than_steel(bearing):
     for material in (bearing.roller, bearing.inner_ring, bearing.outer_ring):
         if not STEEL[0] <= material.youngs_modulus <= STEEL[1]:
             raise Unavailable(
-                f"ratings are those of bearing steel; a body has {1e-9 * material.youngs_modulus:.4g} GPa"
+                f"ratings are those of bearing steel; a body has {1e-9 * material.youngs_modulus:.4g} GPa; give "
+                "bearing.dynamic_load_rating_N and static_load_rating_N"
             )
 
 
@@ -89,9 +90,9 @@ def static_capacity(row: Dimensions) -> float:
     return 44.0 * (1.0 - row.gamma) * row.rows * row.rollers * row.length * row.diameter * row.cosine
 
 
-def fatigue_load_limit(row: Dimensions) -> float:
-    """C_u of ISO 281 annex B, simplified, N."""
-    return static_capacity(row) / 8.2 * min(1.0, (MEDIUM / row.pitch) ** 0.3)
+def fatigue_load_limit(static: float, pitch: float, balls: bool = False) -> float:
+    """C_u of ISO 281 annex B, simplified, N, by C_0r, N, and D_pw, mm."""
+    return static / (22.0 if balls else 8.2) * min(1.0, (MEDIUM / pitch) ** (0.5 if balls else 0.3))
 
 
 OF_DEEP_GROOVES = 1.3  # b_m of deep-groove ball bearings, ISO 281 table 1
@@ -153,29 +154,31 @@ class Basic(NamedTuple):
     def of(cls, bearing: Bearing, **known: float) -> "Basic":
         """By ISO 281 and ISO 76, or as `known` by fields; C_u follows C0.
 
-        Unavailable: not complete or not of steel; of balls, grooves wider than the standard rates."""
-        found = cls._by_standards(bearing)
-        share = known.get("static", found.static) / found.static
-        return found._replace(**{"fatigue": share * found.fatigue} | known)
+        Unavailable: not complete; without known C and C0 not of steel, or of grooves wider than the standard rates."""
+        if bearing.missing:
+            raise Unavailable("ratings are those of complete bearings; rollers of this one are missing")
+        if not {"dynamic", "static"} <= known.keys():
+            known = dict(zip(("dynamic", "static"), _capacities(bearing), strict=True)) | known
+        pitch, balls = 2e3 * bearing.pitch_radius, isinstance(bearing, BallBearing)
+        return cls(**{"fatigue": fatigue_load_limit(known["static"], pitch, balls), "pitch": pitch} | known)
 
-    @classmethod
-    def _by_standards(cls, bearing):
-        if not isinstance(bearing, BallBearing):
-            row = Dimensions.of(bearing)
-            fatigue = fatigue_load_limit(row)
-            return cls(dynamic=dynamic_capacity(row), static=static_capacity(row), fatigue=fatigue, pitch=row.pitch)
-        _refuse_unrated(bearing)
-        diameter, pitch = 2e3 * bearing.element_radius, 2e3 * bearing.pitch_radius
-        grooves = bearing.inner_groove_radius, bearing.outer_groove_radius
-        for side, groove, most in zip(("inner", "outer"), grooves, OPEN_GROOVES, strict=True):
-            if 1e3 * groove > (most + ROUNDING) * diameter:
-                raise Unavailable(
-                    f"ratings are those of an {side} groove radius up to {most:g} of the ball's diameter; "
-                    f"this one has {1e3 * groove / diameter:.4g}"
-                )
-        sizes = bearing.n_rollers, diameter, pitch, bearing.cosine, bearing.rows
-        static, size = ball_static_capacity(*sizes), min(1.0, (MEDIUM / pitch) ** 0.5)
-        return cls(dynamic=ball_dynamic_capacity(*sizes), static=static, fatigue=static / 22.0 * size, pitch=pitch)
+
+def _capacities(bearing):
+    """C and C0 by the standards."""
+    if not isinstance(bearing, BallBearing):
+        row = Dimensions.of(bearing)
+        return dynamic_capacity(row), static_capacity(row)
+    _refuse_other_than_steel(bearing)
+    diameter = 2e3 * bearing.element_radius
+    grooves = bearing.inner_groove_radius, bearing.outer_groove_radius
+    for side, groove, most in zip(("inner", "outer"), grooves, OPEN_GROOVES, strict=True):
+        if 1e3 * groove > (most + ROUNDING) * diameter:
+            raise Unavailable(
+                f"ratings are those of an {side} groove radius up to {most:g} of the ball's diameter; this one has "
+                f"{1e3 * groove / diameter:.4g}; give bearing.dynamic_load_rating_N and static_load_rating_N"
+            )
+    sizes = bearing.n_rollers, diameter, 2e3 * bearing.pitch_radius, bearing.cosine, bearing.rows
+    return ball_dynamic_capacity(*sizes), ball_static_capacity(*sizes)
 
 
 EXPONENT = 10.0 / 3.0  # of roller bearings

@@ -113,6 +113,8 @@ class BearingTable(Table):
         """
         data, outer = {name: value for name, value in data.items() if value is not None}, "outer_raceway_diameter_mm"
         outer_given = outer in data
+        if type(number := data.get("designation")) is int:  # 6205 of a command line
+            data["designation"] = str(number)
         if (found := listed(data.get("designation"))) is not None:
             plain = data.get("rows", 1) == 1 and not data.get("contact_angle_deg")
             instead_of = {"clearance_um": outer_given, "inner_raceway_diameter_mm": "pitch_diameter_mm" in data,

@@ -280,7 +280,10 @@ class Scene(Table):
 
     def ratings(self) -> Basic:
         """C, C0 and C_u: given, else the maker's, else those of the standards. Unavailable."""
-        return Basic.of(self.unmounted_bearing(), **{n: value for n, (value, _) in self.bearing.known_ratings.items()})
+        bearing, b, known = self.unmounted_bearing(), self.bearing, self.bearing.known_ratings
+        if None in (b.dynamic_load_rating_N, b.static_load_rating_N):
+            _ = Basic.of(bearing)  # a maker's are those of steel and usual grooves
+        return Basic.of(bearing, **{name: value for name, (value, _) in known.items()})
 
     def row_loads(self) -> RowLoads:
         """Axial load, moment and tilt of the rows at rest, in SI."""

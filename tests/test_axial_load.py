@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 from fem.commands.rate_bearing import rate_main
+from fem.rating.answers import rating
 from fem.rating.ross import read_coefficients
 from lagrange import Material, contact_laws
 from lagrange.bearing import BallBearing, Bearing, Operation, RowLoads
@@ -16,6 +17,7 @@ from lagrange.rating.axial_load import at_rest, balanced, rows_of
 from lagrange.rating.life import Dimensions
 from lagrange.rating.reference_life import ball_reference_life, rigid_loads
 from lagrange.rating.sources import Unavailable
+from lagrange.scene.scene import read_scene
 from lagrange.statics import static_equilibrium
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
@@ -240,3 +242,14 @@ def test_the_command_says_where_the_hub_is_and_how_stiff(rated):
     assert answers["moment_on_hub_N_m"] is None
     assert "free to tilt" in answers["reasons"]["moment_on_hub_N_m"]
     assert "Loads of rolling elements" in (folder / "rating.html").read_text(encoding="utf-8")
+
+
+def test_a_mirrored_pair_is_rated_under_the_scene_s_own_loads():
+    sizes = "type=ball rollers=14 roller_diameter_mm=12.7 pitch_diameter_mm=70 contact_angle_deg=40 rows=2"
+    pair = "arrangement=back_to_back row_distance_mm=18 preload_N=300"
+    loads = "radial_load_N=2000 axial_load_N=1500 moment_N_m=20 inner_ring_and_shaft_kg=2 gravity_m_s2=10"
+    keys = [f"bearing.{key}" for key in f"{sizes} {pair}".split()] + [f"operation.{key}" for key in loads.split()]
+    found = rating(read_scene(None, keys))
+    assert [found[f"{name}_N"] for name in ("radial_load", "axial_load", "weight")] == pytest.approx([2000, 1500, 20])
+    assert found.case.balance.force == pytest.approx([0.0, -2020.0, 1500.0, 20e3, 0.0], abs=1e-5)
+    assert found["contact_angle_range_deg"][0] < 40.0 < found["contact_angle_range_deg"][1]

@@ -561,9 +561,9 @@ BLOCKS: dict[str, tuple[Row, ...]] = {
         ("fit_pressure_MPa", "MPa", "fit pressure in operation", s.FITS,
          lambda c: {"shaft": 1e-6 * c.build_up.shaft_pressure, "housing": 1e-6 * c.build_up.housing_pressure})),
     "loads": (
-        ("radial_load_N", "N", "radial load", s.SCENE, lambda c: c.of_scene(c.radial_load)),
+        ("radial_load_N", "N", "radial load", s.SCENE, lambda c: c.of_scene(load_factor(c.bearing) * c.radial_load)),
         ("axial_load_N", "N", "axial load", s.SCENE, lambda c: c.of_scene(c.given.axial_load) or _not_asked(PLANAR)),
-        ("weight_N", "N", "weight of ring and shaft", s.SCENE, lambda c: c.of_scene(c.weight)),
+        ("weight_N", "N", "weight of ring and shaft", s.SCENE, lambda c: c.of_scene(load_factor(c.bearing) * c.weight)),
         ("P_N", "N", "equivalent dynamic load P", s.LOAD, lambda c: c.load),
         ("factors", "", "e, Y up to it, X and Y beyond", s.LOAD,
          lambda c: {name: float(value) for name, value in _only(c.factors)._asdict().items()}),

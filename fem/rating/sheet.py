@@ -1,4 +1,4 @@
-"""Lines of a rating's sheet: what each of the answers reads, by block."""
+"""Lines of the sheet of a rating: the value of each answer in words, by block."""
 
 from itertools import groupby
 from typing import Any, NamedTuple
@@ -23,7 +23,7 @@ class Line(NamedTuple):
 
 
 def sheet(rating: Rating, bulky: bool = False) -> dict[str, list[Line]]:
-    """What could be computed, by block; answers of one meaning in one line."""
+    """Answers that could be computed, by block; those of one meaning in one line."""
     found: dict[str, list[Line]] = {}
     for (block, meaning), group in groupby(rating.answers.values(), lambda answer: (answer.block, answer.meaning)):
         there = [each for each in group if each.value is not None and (bulky or each.name not in BULKY)]
@@ -80,7 +80,7 @@ def ratings_in_words(rating: Rating) -> list[str]:  # where they are not the sta
 
 
 def missing(rating: Rating) -> dict[str, str]:
-    """Meanings of what was asked for and could not be computed, by the reason."""
+    """Meanings of answers that were asked for and could not be computed, by the reason."""
     found: dict[str, list[str]] = {}
     for answer in rating.answers.values():
         if answer.reason and answer.asked and answer.name not in BULKY:

@@ -11,8 +11,10 @@ the outermost by 43 % and with 4 times the noise; at 3 kHz it errs by 0.5 %. Sev
 carry 14 times the noise.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import islice
 from math import factorial
 from typing import NamedTuple
 
@@ -22,7 +24,7 @@ from lagrange.kinematics import OUTER_RING, Kinematics
 
 ORDERS = (4, 6, 8)  # of differentiation
 END_POINTS = 5  # of the stencil at the outermost samples
-WINDOW, NOISE_BINS = "hann", 1.5  # its noise bandwidth, bins
+NOISE_BINS, MEAN_SQUARE = 1.5, 0.375  # of the Hann window: its noise bandwidth, bins, and the mean of its squares
 MAIN_LOBE = 2.0  # half-width of the Hann window's main lobe, in bins: nearer than this two lines are one peak
 SLOWEST = 1e-6  # Hz, of a shaft that has lines: with one turn in twelve days the bearing as good as stands
 LOWEST = 1e-9  # Hz, of a line: numbers next to nothing make others infinite
@@ -189,6 +191,18 @@ class Spectrum:
         return np.sqrt(np.sum(self.psd[inside]) * self.resolution)
 
 
+def maxima(values: np.ndarray) -> np.ndarray:
+    """Indices of those above both neighbours."""
+    return 1 + np.flatnonzero((values[1:-1] > values[:-2]) & (values[1:-1] > values[2:]))
+
+
+def prominence(values: np.ndarray, at: int) -> float:
+    """Height of a maximum over the higher of the saddles between it and what is higher, or the end, on either side."""
+    higher = np.flatnonzero(values > values[at])
+    low, high = higher[higher < at].max(initial=0), higher[higher > at].min(initial=values.size - 1)
+    return float(values[at] - max(values[low : at + 1].min(), values[at : high + 1].min()))
+
+
 class Peak(NamedTuple):
     """A peak that stands out of the smooth background."""
 
@@ -222,16 +236,27 @@ def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectr
     The integral is the variance weighted by the squared window: equal to the variance for a stationary
     signal. A bin half-way off a line reads up to 30 % low in density; the rms over the main lobe does not.
     """
-    from scipy.signal import welch  # costs half a second to import
-
     signal = np.asarray(signal, dtype=float)
     length = n = signal.size
     if slowest_line > 0.0:
         wanted = int(np.ceil(REVOLUTIONS_PER_SEGMENT / slowest_line / interval))
         length = wanted if n >= 2 * wanted else n
-    signal = signal - signal.mean()  # as a whole, and of each segment
-    f, psd = welch(signal, fs=1.0 / interval, window=WINDOW, nperseg=length, noverlap=length // 2, detrend="constant")
-    return Spectrum(f, psd, 1.0 / (length * interval), 1 + (n - length) // (length - length // 2))
+    return averaged([signal], interval, length)
+
+
+def averaged(records: Sequence[np.ndarray], interval: float, count: int, padding: int = 1) -> Spectrum:
+    """Mean density of the half-overlapping segments of so many samples of records, the mean of each removed.
+
+    `padding` : times its length that a segment has with the zeros behind it: so many bins for one of the resolution
+    """
+    window, size, total = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count), padding * count, 0.0
+    pieces = [record[start : start + count] for record in records
+              for start in range(0, record.size - count + 1, count - count // 2)]  # fmt: skip
+    for piece in pieces:
+        total = total + np.abs(np.fft.rfft(window * (piece - piece.mean()), size)) ** 2
+    psd = 2.0 * interval / (MEAN_SQUARE * count * len(pieces)) * total
+    psd[[0, -1] if size % 2 == 0 else [0]] *= 0.5  # which have no negative frequency
+    return Spectrum(np.arange(psd.size) / (size * interval), psd, 1.0 / (count * interval), len(pieces))
 
 
 def find_peaks(spectrum: Spectrum, lines: dict[str, float]) -> list[Peak]:
@@ -248,8 +273,6 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float]) -> list[Peak]:
     Source: T. Grandke, Interpolation algorithms for discrete Fourier transforms of weighted signals, IEEE
     Trans. Instrum. Meas. 32 (1983) 350-355.
     """
-    from scipy.signal import find_peaks as scipy_peaks
-
     psd, step, peaks = spectrum.psd, spectrum.resolution, list[Peak]()
     if not spectrum.has_peaks:
         return peaks
@@ -257,10 +280,11 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float]) -> list[Peak]:
     level[0] = min(level[0], level[1])  # zero frequency is removed, not a valley
     background = spectrum.smooth(level)
     factor = np.log2(psd.size / FALSE_PEAKS) ** (1.0 / np.sqrt(spectrum.segments))
-    at, _ = scipy_peaks(np.pad(level, 1, constant_values=level.min() - 1.0), prominence=np.log(PROMINENCE))
-    at -= 1
+    around = np.pad(level, 1, constant_values=level.min() - 1.0)
+    at = maxima(around) - 1
     at = at[(level[at] > background[at] + np.log(factor)) & (psd[at] > DYNAMIC_RANGE * psd.max()) & (at > 0)]
-    for i in at[np.argsort(psd[at])[::-1][:MOST_PEAKS]].tolist():
+    clear = (i for i in at[np.argsort(psd[at])[::-1]].tolist() if prominence(around, i + 1) >= np.log(PROMINENCE))
+    for i in islice(clear, MOST_PEAKS):
         frequency = i * step
         if i + 1 < psd.size:
             left, right = (psd[i - 1] if i > 1 else 0.0), psd[i + 1]

@@ -31,7 +31,7 @@ from lagrange.errors import InputError
 from lagrange.kinematics import OUTER_RING, Kinematics
 from residual.measured.signals import Signal
 from residual.record import Record
-from residual.spectrum import BACKGROUND_BINS, MAIN_LOBE, Level
+from residual.spectrum import BACKGROUND_BINS, MAIN_LOBE, Level, averaged
 
 Verdict = Literal["outer_ring", "inner_ring", "rolling_element", "trace", "uncertain", "none"]
 BODIES: dict[str, Verdict] = {"BPFO": "outer_ring", "BPFI": "inner_ring", "2×BSF": "rolling_element"}
@@ -81,6 +81,7 @@ MASK, SMEAR = MAIN_LOBE + 0.5, 0.006  # half of what is taken out around a line:
 MOST_MASKED = 0.5  # of a spectrum, beyond which nothing would be left to compare with
 OCTAVE, PASSES_IN_OCTAVE = 250.0, 4.0  # Hz, an edge of octaves; the lowest edge, times the fastest line
 DRIFTS = 4  # parts of a record whose lines tell a drift
+MARGIN = 2.2  # samples in a period of the highest line that is looked for: the rest of a record's rate is cut off
 ORDERS, TINY = np.arange(1, HARMONICS + 1), np.finfo(float).tiny
 NEAR = np.linspace(-3e-3, 3e-3, 13)  # of a line, where its depth in an octave is looked for
 
@@ -165,21 +166,20 @@ class Prewhitened(NamedTuple):
 
 def _spectrum(values, rate, length, mean, top):
     """Lines of records, (n_records, n_times), by segments, s: amplitude over a mean, power over the background's."""
-    from scipy.signal import welch
     from scipy.special import chdtri
 
-    count = min(values.shape[1], ceil(length * rate))
-    freedom = 2.0 * len(values) * (1 + (values.shape[1] - count) // (count - count // 2))
-    about = dict(nperseg=count, noverlap=count // 2, nfft=PADDING * count, detrend=False, scaling="spectrum")
-    frequency, squared = welch(values, rate, **about)
-    keep = frequency <= top
-    frequency, depth = frequency[keep], np.sqrt(2.0 * squared.mean(axis=0)[keep]) / mean
+    whole = values.shape[1]
+    kept = min(whole, fft.next_fast_len(ceil(MARGIN * top / rate * whole), real=True))
+    values, rate = fft.irfft(fft.rfft(values), kept) * kept / whole, rate * kept / whole
+    found = averaged(values, 1.0 / rate, min(kept, ceil(length * rate)), PADDING)
+    keep, freedom = found.frequency <= top, 2.0 * found.segments
+    frequency, depth = found.frequency[keep], found.amplitude[keep] / mean
     own = depth[::PADDING] ** 2
     background = median_filter(own, size=min(BACKGROUND_BINS, own.size), mode="reflect")
     background *= freedom / chdtri(freedom, 0.5)
     ratio = depth**2 / np.maximum(np.interp(frequency, frequency[::PADDING], background), TINY)
     ratio[0] = 0.0
-    return EnvelopeSpectrum(frequency, depth, ratio, rate / count)
+    return EnvelopeSpectrum(frequency, depth, ratio, found.resolution)
 
 
 def envelope_spectrum(power: np.ndarray, rate: float, length: float, top: float) -> EnvelopeSpectrum:
@@ -191,7 +191,7 @@ def envelope_spectrum(power: np.ndarray, rate: float, length: float, top: float)
     mean = float(power.mean())
     if not mean > 0.0:
         raise InputError("the record is constant but for its last samples: no vibration")
-    return _spectrum(power - mean, rate, length, mean, top)
+    return _spectrum(power, rate, length, mean, top)
 
 
 def best_comb(spectrum: EnvelopeSpectrum, expected: float, tolerance: float, sides: float) -> tuple[float, float]:
@@ -205,12 +205,9 @@ def best_comb(spectrum: EnvelopeSpectrum, expected: float, tolerance: float, sid
     step = spectrum.resolution / (STEPS * HARMONICS)
     count = max(1, ceil(tolerance * expected / step))
     frequency = expected * (1.0 + tolerance * np.arange(-count, count + 1) / count)
-    centre = np.multiply.outer(frequency, ORDERS)
-    score = spectrum.clear(centre).sum(axis=1)
-    if sides:
-        shift = (sides / expected * frequency)[:, None]
-        for each in (centre - shift, centre + shift):
-            score += SIDEBAND * spectrum.clear(each).sum(axis=1)
+    beside = np.array([0.0, -sides, sides] if sides else [0.0]) / expected
+    lines = spectrum.clear(np.multiply.outer(frequency, np.add.outer(beside, ORDERS))).sum(axis=2)
+    score = lines[:, 0] + SIDEBAND * lines[:, 1:].sum(axis=1)
     best = int(np.argmax(score))
     return float(frequency[best]), float(score[best])
 
@@ -362,9 +359,10 @@ def diagnose(
         why = f"lines of this bearing reach {highest:.4g} Hz at {rpm} and take at least twice that"
         raise InputError(f"{name}: sampled at {signal.rate:g} Hz; {why}")
     whitened = Prewhitened.of(signal)
-    found = _look(signal, whitened, geometry, shaft, tolerance, TURNS, healthy)
+    whole = whitened.power()
+    found = _look(signal, whitened, whole, geometry, shaft, tolerance, TURNS, healthy)
     if not found.damaged and seconds / signal.records * lines["FTF"] > FEWER_TURNS:
-        coarser = _look(signal, whitened, geometry, shaft, tolerance, FEWER_TURNS, healthy)
+        coarser = _look(signal, whitened, whole, geometry, shaft, tolerance, FEWER_TURNS, healthy)
         found = coarser if coarser.damaged else found
     return found
 
@@ -376,11 +374,11 @@ def pool(signal: Signal, geometry: Geometry, shaft: float) -> int:
     return 1 if not FEWEST_POOLED <= passes < FEWEST_PASSES else ceil(2.0 * FEWEST_PASSES / passes)
 
 
-def _look(signal, whitened: Prewhitened, geometry, shaft, tolerance, turns, healthy):
+def _look(signal, whitened: Prewhitened, whole, geometry, shaft, tolerance, turns, healthy):
     """The diagnosis by segments of so many turns of the cage."""
     nominal, rng = geometry.lines(shaft), np.random.default_rng(SEED)
     length, top = turns / nominal["FTF"], 1.3 * (HARMONICS + 1) * max(nominal[name] for name in BODIES)
-    spectrum = envelope_spectrum(*whitened.power(), length, min(top, 0.5 * signal.rate))
+    spectrum = envelope_spectrum(*whole, length, min(top, 0.5 * signal.rate))
     reach = {name: tolerance + geometry.reach(name) for name in BODIES}
     bands, octaves = whitened.octaves(max(nominal["BPFO"], nominal["BPFI"])), list[tuple]()
 
@@ -435,11 +433,11 @@ def _look(signal, whitened: Prewhitened, geometry, shaft, tolerance, turns, heal
     else:
         _, verdict, reasons = judged[0]
         if verdict == "none":
-            against = tuple(_against_none(signal, whitened, findings, spectrum, nominal, shaft, reach, rng))
+            against = tuple(_against_none(signal, whole, findings, spectrum, nominal, shaft, reach, rng))
             verdict, reasons = ("uncertain", reasons + against) if against else (verdict, reasons)
     notes = list(_notes(verdict, signal, spectrum, nominal, shaft, reach, geometry))
     if damaged and signal.records == 1:
-        (power, rate), top = whitened.power(), 1.3 * HARMONICS * best.found
+        (power, rate), top = whole, 1.3 * HARMONICS * best.found
         begin, *_, end = np.array_split(power, DRIFTS, axis=1)
         first, last = (best_comb(envelope_spectrum(part, rate, length, top), best.found, 1.5 * SLIP, 0.0)[0]
                        for part in (begin, end))  # fmt: skip
@@ -601,9 +599,9 @@ def _doubts(of, geometry, turning, sharp, shaft, tolerance, spectrum, healthy):
             yield f"At {rpm} it would be {name}; neither its sidebands nor lines of the shaft tell."
 
 
-def _against_none(signal, whitened, findings, spectrum, nominal, shaft, reach, rng):
+def _against_none(signal, whole, findings, spectrum, nominal, shaft, reach, rng):
     """Why a record without a line of the bearing is no record of a healthy one, sentences."""
-    (power, _), own, wide = whitened.power(), Level.of(signal.values).kurtosis, AROUND + SLIP
+    (power, _), own, wide = whole, Level.of(signal.values).kurtosis, AROUND + SLIP
     # tones of one family look impulsive too, but not prewhitened
     kurtosis = min(own or 0.0, 1.5 * float(np.mean(power**2) / np.mean(power) ** 2))
     for each in [each for each in findings if each.p <= SURE][:1]:

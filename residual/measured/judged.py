@@ -20,7 +20,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from residual.measured.diagnosis import Diagnosis, Geometry, Prewhitened, Verdict
 from residual.measured.signals import Signal
-from residual.spectrum import Level, Spectrum
+from residual.spectrum import Level, Spectrum, maxima, prominence
 
 # of widths
 RINGS = {"outer_ring": 1.0, "inner_ring": -1.0}  # sign of an element's radius in its raceway's
@@ -88,8 +88,6 @@ def damage_width(signal: Signal, geometry: Geometry, diagnosis: Diagnosis) -> Wi
 
 def _lags(transform, size, rate, line):
     """Lags of the envelope's most prominent side peaks, s, (BANDS, PARTS, smoothings); nan where there is none."""
-    from scipy.signal import find_peaks
-
     lags = np.full((BANDS, PARTS, len(SMOOTHINGS)), np.nan)
     low, high = max(LOWEST, PASSES_IN_BAND * line), TOP * rate
     if low >= high:
@@ -107,10 +105,10 @@ def _lags(transform, size, rate, line):
                 correlation = fft.irfft(np.abs(spectrum * gauss) ** 2, count)[: int(LONGEST / line * rate)]
                 if correlation.size < 3 or not correlation[0] > 0.0:
                     continue
-                at, facts = find_peaks(correlation / correlation[0], prominence=PROMINENCE)
-                far = at > NEAREST * smoothing
-                if far.any():
-                    lags[i, j, k] = at[far][np.argmax(facts["prominences"][far])]
+                far = [lag for lag in maxima(correlation) if lag > NEAREST * smoothing]
+                clear, lag = max(((prominence(correlation, lag), lag) for lag in far), default=(0.0, 0))
+                if clear >= PROMINENCE * correlation[0]:
+                    lags[i, j, k] = lag
     return lags / rate
 
 

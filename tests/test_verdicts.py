@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.signal import resample_poly
 
-from lagrange.errors import InputError
+from lagrange.errors import UsageError
+from lagrange.scene.scene import read_scene
 from residual.check_vibration import main
 from residual.measured import Question
 from residual.measured.checks import geometry_of, trend_of
@@ -110,14 +111,42 @@ def test_a_fault_is_as_deep_at_four_times_the_rate_in_octaves_that_do_not_depend
     assert all(log2(high / low) == 1.0 for low, high in more[:-1])
 
 
-def test_orders_do_in_place_of_sizes():
-    truth, orders = made("BPFI"), "bpfo=3.585,bpfi=5.415,bsf=2.357,ftf=0.3983"
-    found = diagnose(truth.signal, geometry_of(Question(orders=orders)), SHAFT)
-    assert found.verdict == "inner_ring" and found.findings[0].found == pytest.approx(truth.line, rel=3e-3)
-    few = "bpfo=0.05,bpfi=0.04,bsf=2.3,ftf=0.4"
-    for wrong in ("bpfo=3.585", "bpfo=3.5,bpfi=4.2,bsf=2.3,ftf=0.4", "bpfo=x,bpfi=5.4,bsf=2.3,ftf=0.4", few):
-        with pytest.raises(InputError, match="--orders"):
-            geometry_of(Question(orders=wrong))
+ORDERS = "bpfo=3.585,bpfi=5.415,bsf=2.357,ftf=0.3983"
+
+
+def test_orders_do_in_place_of_sizes_as_an_option_and_in_a_scene(tmp_path):
+    truth, path, scene = made("BPFI"), tmp_path / "record.npz", tmp_path / "fan.toml"
+    np.savez(path, x=truth.signal.values, rate=RATE)
+    scene.write_text(f"operation.speed_rpm = 1797.0\n[bearing]\norders = {{ {ORDERS} }}", encoding="utf-8")
+    given = [["--orders", ORDERS, "--speed", "1797"], ["--scene", str(scene)]]
+    assert [main([str(path), *each, "--no-figures", "--output", str(tmp_path / each[0])]) for each in given] == [0, 0]
+    option, table = (read_json(tmp_path / each[0] / "summary.json") for each in given)
+    assert option["lines"] == table["lines"] and table["verdict"] == "inner_ring"
+    assert table["lines"][0]["found_Hz"] == pytest.approx(truth.line, rel=3e-3) and "orders" in table["width_reason"]
+    assert read_scene(scene).bearing.orders.elements == 9
+    copy = tmp_path / "copy.toml"
+    copy.write_text(read_scene(scene).to_toml(), encoding="utf-8")
+    assert read_scene(copy) == read_scene(scene)
+
+
+WRONG_ORDERS = {  # and what is wrong, as an option and in a scene
+    "bpfo=3.585": ("write bpfo=3.05", "bpfi: is missing"),
+    "bpfo=3.5,bpfi=4.2,bsf=2.3,ftf=0.4": ("of no bearing",) * 2,
+    "bpfo=0.05,bpfi=0.04,bsf=2.3,ftf=0.4": ("of no bearing",) * 2,
+    "bpfo=0.0,bpfi=5.4,bsf=2.3,ftf=0.4": ("bpfo = 0.0: must be greater than 0",) * 2,
+    ORDERS.replace("ftf", "fft"): ("write bpfo=3.05", "orders.fft: unknown key; did you mean ftf?"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("orders", WRONG_ORDERS)
+def test_orders_of_no_bearing_are_refused(orders, tmp_path):
+    option, table = WRONG_ORDERS[orders]
+    with pytest.raises(UsageError, match=option) as said:
+        geometry_of(Question(orders=orders))
+    assert "--orders" in str(said.value) and "\n" not in str(said.value)
+    (tmp_path / "fan.toml").write_text(f"bearing.orders = {{ {orders} }}", encoding="utf-8")
+    with pytest.raises(UsageError, match=table):
+        geometry_of(Question(scene=tmp_path / "fan.toml"))
 
 
 def test_lines_that_were_there_when_healthy_do_not_accuse(tmp_path):

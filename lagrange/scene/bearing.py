@@ -60,6 +60,26 @@ def heavy_inner_ring_and_shaft(data: dict[str, Any]) -> float | None:
     return None
 
 
+Order = Annotated[float, Field(gt=0.0, lt=1000.0)]
+
+
+class OrdersTable(Table):
+    """Frequencies of a data sheet over the shaft's speed; check-vibration takes them in place of sizes."""
+
+    bpfo: Order = key(..., "ball pass frequency of the outer ring")
+    bpfi: Order = key(..., "ball pass frequency of the inner ring")
+    bsf: Order = key(..., "spin frequency of a rolling element")
+    ftf: Order = key(..., "frequency of the cage")
+
+    @property
+    def elements(self) -> int:
+        return round(self.bpfo + self.bpfi)
+
+    RULES = ((lambda t: t.elements < 3 or abs(t.bpfo + t.bpfi - t.elements) > 0.1
+        or abs(t.bpfo / t.elements - t.ftf) > 0.02, "bpfo = {t.bpfo:g}, bpfi = {t.bpfi:g}, ftf = {t.ftf:g}: of no "
+        "bearing; bpfo + bpfi is the number of rolling elements, and bpfo over it, where the outer ring stands, ftf"),)
+
+
 class BearingTable(Table):
     """The bearing; the defaults are the paper's."""
 
@@ -98,6 +118,7 @@ class BearingTable(Table):
     preload_N: float | None = key(None, "axial force between two mirrored rows without load; default 0", 0.0, 1e7)
     flange_height_mm: float | None = key(None, "height of the flanges of both rings, by which cylindrical rollers "
         "carry axial loads; default: NJ, NUP 0.2 roller diameters (estimate), others none", most=500.0, gt=0.0)
+    orders: OrdersTable | None = None
 
     @classmethod
     def values(cls, data: dict[str, Any], *keys: str) -> list[Any]:

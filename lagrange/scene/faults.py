@@ -273,6 +273,8 @@ def _explained(fault, model):
             return f"{place}: not supported: {lacking}; see docs/limits", meant
         known = f"known here: {', '.join(keys_of(_table_at(at[:-1], model)))}"
         return f"{place}: unknown key; " + (f"did you mean {' or '.join(likely)}?" if likely else known), meant
+    if kind == "missing":
+        return f"{place}: is missing", at
     if kind == "value_error":  # of a field's own validator
         return f"{place}: {fault['ctx']['error']}", at
     if kind == "list_type" and table_of(_table_at(at[:-1], model).model_fields[str(at[-1])])[0]:

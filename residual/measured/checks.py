@@ -20,6 +20,7 @@ import numpy as np
 from lagrange.catalogue import instead, listed, pitch_unsure
 from lagrange.errors import InputError
 from lagrange.messages import G, Section, said_if_long, say, shown
+from lagrange.scene.bearing import OrdersTable
 from lagrange.scene.keys import key_tables
 from lagrange.scene.run import FIRST_SPEEDS
 from lagrange.scene.scene import Scene, parse_scene, read_scene
@@ -46,7 +47,6 @@ GUESSED = {  # what a record does not say: tables of the scene, and keys of thei
                   "shaft_stiffness_N_per_m", "shaft_damping_N_s_m"),
     **dict.fromkeys(("damping", "support", "sensor", "cage", "spall", "unequal_roller", "waviness"), ()),
 }  # fmt: skip
-LINES = ("BPFO", "BPFI", "BSF", "FTF")
 FEWEST = 3  # usable records of a series
 GROWS = 0.01  # chance of as clear a rise of one of the three lines without one
 DAMAGED = frozenset(BODIES.values())
@@ -64,17 +64,12 @@ def geometry_of(question: Question) -> Geometry | None:
         raise InputError("--bearing, --scene, --orders and --elements say the same thing; leave all but one out")
     if orders is not None:
         try:
-            given = {name.strip().upper(): float(value) for name, value in (e.split("=") for e in orders.split(","))}
+            given = {name.strip().lower(): float(value) for name, value in (e.split("=") for e in orders.split(","))}
         except ValueError:
             given = {}
-        if set(given) != set(LINES) or not all(0.0 < order < 1e3 for order in given.values()):
+        if set(given) != set(OrdersTable.model_fields):
             raise InputError(f"--orders {shown(orders)}: write bpfo=3.05,bpfi=4.95,bsf=1.99,ftf=0.38")
-        passing = given["BPFO"] + given["BPFI"]
-        count = round(passing)
-        if count < 3 or abs(passing - count) > 0.1 or abs(given["BPFO"] / count - given["FTF"]) > 0.02:
-            why = "bpfo + bpfi is the number of rolling elements, and bpfo over it is ftf, where the outer ring stands"
-            raise InputError(f"--orders {shown(orders)}: of no bearing; {why}")
-        return Geometry(count, np.nan, np.nan, orders=tuple((name, given[name]) for name in LINES))
+        return _by_orders(OrdersTable.parsed(given, "--orders"))
     if bearing is not None:
         if listed(bearing) is None:
             wanted = "give --elements, --element-diameter, --pitch-diameter and --contact-angle"
@@ -83,6 +78,8 @@ def geometry_of(question: Question) -> Geometry | None:
         return Geometry.of(scene.perfect_bearing(), unsure=pitch_unsure(bearing))
     if question.scene is not None:
         scene = read_scene(question.scene)
+        if scene.bearing.orders is not None:
+            return _by_orders(scene.bearing.orders)
         return Geometry.of(scene.perfect_bearing(), scene.ideal_operation().ring_speeds)
     if not sized:
         return None
@@ -93,6 +90,10 @@ def geometry_of(question: Question) -> Geometry | None:
         wanted = "at least 3 elements, smaller than the pitch diameter, and a contact angle below 90 degrees"
         raise InputError(f"{said}: no bearing; {wanted}")
     return Geometry(count, 1e-3 * diameter, 1e-3 * pitch, angle)
+
+
+def _by_orders(table):
+    return Geometry(table.elements, np.nan, np.nan, orders=tuple((name.upper(), order) for name, order in table))
 
 
 def _shaft(question):

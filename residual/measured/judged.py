@@ -58,6 +58,8 @@ def damage_width(signal: Signal, geometry: Geometry, diagnosis: Diagnosis) -> Wi
     sign, line = RINGS.get(diagnosis.verdict), diagnosis.findings[0].found
     if sign is None:
         return Width(reason="no ring was found damaged")
+    if geometry.orders:
+        return Width(reason="the bearing is given by its orders, without sizes")
     if signal.records > 1:
         return Width(reason="records that are pooled are too short")
     whitened = Prewhitened.of(signal)

@@ -7,7 +7,7 @@ studies         what a study adds to its points, and what a second process gives
 checkpoint_cost what checkpoints and commits cost, as paired ratios
 work_precision  run time against error over meshes
 reduced_model   the reduced model beside finite elements
-lagrange_model  the Lagrangian model solved: its time, its energy, the checker on its own output
+lagrange_model  the Lagrangian model solved: its time, its energy
 live            frames a second of the live page, and what they take
 pictures        docs' pictures; stress below contacts, times, sizes
 measured_records verdicts on records whose truth is known
@@ -16,25 +16,27 @@ same_bits       whether another revision gives the same bits, and takes the same
 Here is what they share: scenes with some keys set, times, runs in turns.
 """
 
-import resource
+import os
 import statistics
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Hashable, Iterable, Iterator
 from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
-    from fem.solver.elements.plan import ElementPlan
+    from fem.solver.solver import Plan
 
 Key = TypeVar("Key", bound=Hashable)
 Value = TypeVar("Value")
 
 
-def paper_plan(size_mm: float, *settings: str) -> "ElementPlan":
-    """Plan of the paper's scene on a mesh, with further keys as run-fem's --set takes them."""
+def paper_plan(*settings: str) -> "Plan":
+    """Plan of the paper's scene with further keys as run-fem's --set takes them."""
     from fem.solver.simulate import make_plan
     from lagrange.scene.scene import read_scene
 
-    return make_plan(read_scene(None, (f"numerics.mesh_size_mm={size_mm!r}", *settings)))
+    return make_plan(read_scene(None, settings))
 
 
 def timed(function: Callable[..., Value], *arguments, clock=time.thread_time) -> tuple[float, Value]:
@@ -59,9 +61,18 @@ def in_turns(calls: dict[Key, Callable[[], Value]], turns: int) -> Iterator[dict
         yield {key: calls[key]() for key in (list(calls) if turn % 2 == 0 else reversed(calls))}
 
 
-def processor_seconds(*who: int) -> float:
-    """Processor time so far, s, of `resource.RUSAGE_SELF`, of `RUSAGE_CHILDREN` that have ended, or of both."""
-    return sum(used.ru_utime + used.ru_stime for used in map(resource.getrusage, who))
+def used(function: Callable, *arguments, **options) -> tuple[float, float]:
+    """Wall and processor time of a call, s, and of the processes that it starts and waits for."""
+    began, before = time.perf_counter(), sum(os.times()[:4])
+    function(*arguments, **options)
+    return time.perf_counter() - began, sum(os.times()[:4]) - before
+
+
+def command_seconds(*words: str, repeats: int = 7) -> tuple[float, float]:
+    """Wall and processor time of `python -m` and words, medians, s, after one call that compiles."""
+    command = [sys.executable, "-m", *words]
+    wall, processor = zip(*(used(subprocess.run, command, check=True) for _ in range(repeats + 1)), strict=True)
+    return statistics.median(wall[1:]), statistics.median(processor[1:])
 
 
 def spread(values: Iterable[float], digits: int = 3) -> str:

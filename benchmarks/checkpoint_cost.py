@@ -10,21 +10,22 @@ import tempfile
 import time
 from functools import partial
 from pathlib import Path
+from types import ModuleType
 
 from cyclopts import App
 
 from benchmarks import in_turns, paper_plan, spread
+from fem import runner
 from fem.commands.start_up import Outcome
 from fem.result.checkpoint import checkpoint_path
 from fem.result.store import ResultFile
-from fem.runner import Checkpoints, RunOptions, simulate
 from fem.solver.elements.plan import ElementPlan
 
 NEVER = float("inf")
 
 
-def watch(owner: type, name: str) -> list[float]:
-    """Times that a method takes from now on, s, one a call."""
+def watch(owner: type | ModuleType, name: str) -> list[float]:
+    """Times that a method or function takes from now on, s, one a call."""
     spent, original = [], getattr(owner, name)
 
     def timed(*arguments):
@@ -43,8 +44,8 @@ def one_run(plan: ElementPlan, folder: Path, every: float | None, watched: dict[
     for spent in watched.values():
         spent.clear()
     wall, cpu = time.perf_counter(), time.process_time()
-    options = RunOptions(quiet=True, checkpoint_seconds=every)
-    if simulate(plan, 0.0, folder / "run.nc", options) is not Outcome.COMPLETE:
+    options = runner.RunOptions(quiet=True, checkpoint_seconds=every)
+    if runner.simulate(plan, 0.0, folder / "run.nc", options) is not Outcome.COMPLETE:
         raise RuntimeError("the run failed")
     found = {"wall": time.perf_counter() - wall, "cpu": time.process_time() - cpu}
     found |= {name: sum(spent) for name, spent in watched.items()}
@@ -64,9 +65,9 @@ def main(*, pairs: int = 5, duration: float = 300.0, folder: Path | None = None)
     duration: simulated time of a run, ms
     folder: on the disk to be measured; default: the system's temporary one
     """
-    plan = paper_plan(1.0, f"numerics.duration_ms={duration}")
+    plan = paper_plan(f"numerics.duration_ms={duration}")
     plan.prepare()
-    watched = {"commits": watch(ResultFile, "commit"), "checkpoints": watch(Checkpoints, "save")}
+    watched = {"commits": watch(ResultFile, "commit"), "checkpoints": watch(runner, "save_checkpoint")}
     found = []
     with tempfile.TemporaryDirectory(dir=folder) as place:
         calls = {every: partial(one_run, plan, Path(place), every, watched) for every in (None, NEVER)}

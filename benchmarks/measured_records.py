@@ -9,19 +9,21 @@ import csv
 from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import suppress
 from itertools import product
 from math import radians
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from scipy.signal import decimate
 
-from benchmarks import median_seconds
+from benchmarks import command_seconds
 from fem.interface import simulate
 from lagrange.errors import InputError
 from lagrange.scene.scene import parse_scene
 from residual.measured import diagnosis as judging
-from residual.measured.diagnosis import BODIES, Geometry, diagnose
+from residual.measured.diagnosis import BODIES, Diagnosis, Geometry, diagnose
 from residual.measured.judged import damage_width
 from residual.measured.signals import Signal
 from tests.measurements import markdown_table, program
@@ -47,27 +49,29 @@ def folder(where: Path) -> Iterator[tuple]:
         shaft, count, diameter, pitch, angle, tolerance = map(float, numbers)
         with np.load(where / f"{name}.npz") as file:
             values, rate = file["x"].astype(float), float(file["rate"])
-        geometry = Geometry(int(count), 1e-3 * diameter, 1e-3 * pitch, radians(angle))
-        verdicts = []
-        for part in (values, *np.array_split(values, 4)):
-            signal = Signal(name, part - part.mean(), rate, "")
-            try:
-                found = diagnose(signal, geometry, shaft, 1e-2 * tolerance)
-            except InputError:  # too short
-                continue
-            if not verdicts:
-                best, said = found.findings[0], damage_width(signal, geometry, found)
-            verdicts.append(f"`{found.verdict}`")
-        wide = "-" if said.value is None else "{:.2f} ({:.2f}–{:.2f})".format(*(1e3 * each for each in said[:3]))
+        given = Geometry(int(count), 1e-3 * diameter, 1e-3 * pitch, radians(angle)), shaft, 1e-2 * tolerance
+        whole, *parts = (Signal(name, part - part.mean(), rate, "") for part in (values, *np.array_split(values, 4)))
+        found, quarters = diagnose(whole, *given), Counter[str]()
+        for part in parts:
+            with suppress(InputError):  # too short
+                quarters[f"`{diagnose(part, *given).verdict}`"] += 1
+        wide = damage_width(whole, given[0], found)
         rows.append([
-            name, true + (f", {width} mm" if width else ""), f"{tolerance:g}", verdicts[0],
-            ", ".join(f"{n} {v}" for v, n in Counter(verdicts[1:]).items()) or "too short",
-            f"{best.name} {best.found:.2f} / {best.expected:.2f}", f"{best.clear:.1f}",
-            f"{best.depth:.2f}, {best.deepest:.2f}", wide,
+            name, true + (f", {width} mm" if width else ""), f"{tolerance:g}", *said(found),
+            ", ".join(f"{n} {v}" for v, n in quarters.items()) or "too short",
+            "-" if wide.value is None else "{:.2f} ({:.2f}–{:.2f})".format(*(1e3 * each for each in wide[:3])),
         ])  # fmt: skip
-    head = ("record", "true", "tolerance, %", "verdict", "of its quarters", "line found / kinematic, Hz",
-            "σ above others", "depth: whole band, octave", "width, mm")  # fmt: skip
+    head = "record", "true", "tolerance, %", *SAID, "verdicts of its quarters", "width, mm"
     yield PAGE, "Public records", markdown_table(head, rows)
+
+
+SAID = "verdict", "line found / kinematic, Hz", "σ above others", "depth: whole band, octave"
+
+
+def said(found: Diagnosis) -> tuple[str, ...]:
+    best = found.findings[0]
+    return (f"`{found.verdict}`", f"{best.name} {best.found:.2f} / {best.expected:.2f}", f"{best.clear:.1f}",
+            f"{best.depth:.2f}, {best.deepest:.2f}")  # fmt: skip
 
 
 def simulated_run(case: tuple) -> Run:
@@ -96,11 +100,8 @@ def simulated(*, seed: int = 2031) -> Iterator[tuple]:
     for ((bearing, *_), (body, width)), run in zip(cases, runs, strict=True):
         values = run.vibration + rng.normal(0.0, NOISE, run.vibration.size)
         found = diagnose(Signal("run", values - values.mean(), run.rate, "m/s²"), run.geometry, run.shaft)
-        best = found.findings[0]
-        rows.append([bearing, body.replace("_", " "), f"{width:g}", f"`{found.verdict}`", f"{best.clear:.1f}",
-                     f"{best.deepest:.2f}"])  # fmt: skip
-    head = ("bearing", "spalled body", "width, mm", "verdict", "σ above others", "depth in its octave")
-    yield PAGE, "Simulated spalls", markdown_table(head, rows)
+        rows.append([bearing, body.replace("_", " "), f"{width:g}", *said(found)])
+    yield PAGE, "Simulated spalls", markdown_table(("bearing", "spalled body", "width, mm", *SAID), rows)
     words, tables = (*BODIES.values(), "trace", "uncertain", "none"), []
     for tolerance in TOLERANCES:
         kinds = sorted({kind for kind, of, _ in matrix if of == tolerance})
@@ -130,10 +131,13 @@ def judged(k: int, seed: int, runs: list[Run]) -> list[tuple[str, float, str]]:
 
 
 def time() -> Iterator[tuple]:
-    """The processor time of one record of 5 s at 51.2 kHz."""
+    """The processor time of the command, figures included, on a record of 5 s at 51.2 kHz."""
     geometry = Geometry(elements=9, element_diameter=7.94e-3, pitch_diameter=39.04e-3)
     truth = synthetic_record(np.random.default_rng(1), geometry, 30.0, "BPFO", 1.0, duration=5.0, rate=51_200.0)
-    seconds = median_seconds(diagnose, truth.signal, geometry, 30.0)
+    with TemporaryDirectory() as place:
+        np.savez(path := Path(place, "five.npz"), x=truth.signal.values, rate=truth.signal.rate)
+        sizes = "--elements 9 --element-diameter 7.94 --pitch-diameter 39.04 --speed 1800 --quiet"
+        _, seconds = command_seconds("residual.check_vibration", str(path), *sizes.split())
     yield PAGE, "Time", markdown_table(["processor time of 5 s at 51.2 kHz, s"], [[f"{seconds:.2f}"]])
 
 

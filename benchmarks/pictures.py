@@ -1,20 +1,17 @@
 """Pictures of docs/, and the figures that docs/pictures.md states: stress below contacts, times, sizes."""
 
 import os
-import resource
 import shutil
 import subprocess
 import sys
 import tempfile
-import time
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 from cyclopts import App, Parameter
 
-from benchmarks import processor_seconds
+from benchmarks import used
 from fem.commands.render_fem import render_main
 from fem.commands.run_fem import run_main
 from fem.pictures.bodies import drawn_bearing, shear_peak
@@ -52,7 +49,6 @@ OF_PAGES = {  # what the commands of a page write
     "tutorial_vibration.png": ("vibration_tutorial.md", "compared/envelope.png"),
     "tutorial_equations.png": ("equations_tutorial.md", "table-residual/whole_spectra.png"),
 }
-EVERY = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
 # two roller passages, so that the film closes on itself but for the numbers
 FILM = ["--start", "10", "--stop", "15.16", "--frames", "30", "--fps", "12", "--width", "480"]
 
@@ -123,23 +119,18 @@ def times(run: Path, folder: Path) -> None:
     sample = stored.nearest(1e-3 * float(INSTANT))
     once = Request()
     for name, request in (("bearing, first picture", once), ("bearing", once), ("close-up", Request(view="close-up"))):
-        with _row(name, folder / "one.png"):
-            draw(StoredRun(run), folder / "one.png", request, sample)
-    for name in ("film.mp4", "film.gif"):
-        with _row(f"{name}, 120 frames, 960 wide", folder / name):
-            assert render_main([str(run), "--animation", str(folder / name), "--quiet"]) == 0
-    with _row("run.vtkhdf, 120 instants", folder / "run.vtkhdf"):
-        assert render_main([str(run), "--export", str(folder / "run.vtkhdf"), "--quiet"]) == 0
+        one = folder / "one.png"
+        _row(name, one, lambda request=request, one=one: draw(StoredRun(run), one, request, sample))
+    written = ("film.mp4", "--animation", "120 frames, 960 wide"), ("film.gif", "--animation", "120 frames, 960 wide")
+    for name, option, what in (*written, ("run.vtkhdf", "--export", "120 instants")):
+        _row(f"{name}, {what}", folder / name, render_main, [str(run), option, str(folder / name), "--quiet"])
 
 
-@contextmanager
-def _row(name: str, path: Path):
-    """Prints a line of the table about the work inside and the file, or folder of its name, that comes of it."""
-    began, before = time.perf_counter(), processor_seconds(*EVERY)
-    yield
-    took, used = time.perf_counter() - began, processor_seconds(*EVERY) - before
+def _row(name: str, path: Path, *call) -> None:
+    """Print a line of the table about a call and the file, or folder of its name, that it writes."""
+    took, spent = used(*call)
     size = sum(file.stat().st_size for file in (path, *path.with_suffix("").glob("*")))
-    print(f"| {name} | {took:.1f} | {used:.1f} | {1e-6 * size:.2g} |", flush=True)
+    print(f"| {name} | {took:.1f} | {spent:.1f} | {1e-6 * size:.2g} |", flush=True)
 
 
 app = App(help=__doc__)

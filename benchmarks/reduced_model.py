@@ -6,11 +6,9 @@ for the first tenth of that. How the reduced model's step grows with the number 
 
 from math import pi, sin
 
-from benchmarks import in_turns, timed
+from benchmarks import in_turns, paper_plan, timed
 from fem.solver.row_state import RowState
-from fem.solver.simulate import make_plan
 from fem.solver.solver import Plan
-from lagrange.scene.scene import read_scene
 from tests.measurements import markdown_table, program
 
 TURNS = 15
@@ -18,15 +16,9 @@ ELEMENTS_MS = 6.0
 ROLLERS = (8, 16, 24, 32)
 
 
-def plan_of(model: str, *settings: str) -> Plan:
-    plan = make_plan(read_scene(None, (f"model={model}", *settings)))
-    plan.prepare()
-    return plan
-
-
 def loop_seconds(plan: Plan) -> float:
     """Processor time of a plan's whole time loop, s."""
-    state: RowState = plan.first_state()
+    state: RowState = plan.prepare()
     return timed(state.take_steps, plan.n_samples * plan.looks)[0]
 
 
@@ -40,7 +32,7 @@ def rollers_of(count: int) -> tuple[str, ...]:
 
 
 def main():
-    reduced, elements = plan_of("reduced"), plan_of("fem", f"numerics.duration_ms={ELEMENTS_MS}")
+    reduced, elements = paper_plan("model=reduced"), paper_plan(f"numerics.duration_ms={ELEMENTS_MS}")
     calls = {"reduced": lambda: loop_seconds(reduced), "elements": lambda: loop_seconds(elements)}
     found = [dict(turn) for turn in in_turns(calls, TURNS)]
     fast = min(turn["reduced"] for turn in found)
@@ -50,7 +42,7 @@ def main():
     rows = (("reduced", f"{fast:.4f} s"), ("finite elements, 1 mm", f"{slow:.2f} s"))
     whole, rows = markdown_table(("60 ms of the paper's bearing", "processor time"), rows), []
     for count in ROLLERS:
-        plan = plan_of("reduced", *rollers_of(count))
+        plan = paper_plan("model=reduced", *rollers_of(count))
         step = min(loop_seconds(plan) for _ in range(TURNS)) / (plan.stride * plan.n_samples)
         rows.append((str(count), f"{1e6 * step:.3f}", f"{1e9 * step / count:.1f}"))
     yield "reduced", "Speed", whole, markdown_table(("rollers", "step, µs", "per roller, ns"), rows)

@@ -12,17 +12,16 @@ round-off. --unfused turns that off in both trees: what then differs has been co
 
 import json
 import os
-import resource
 import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from math import cos, radians
 from pathlib import Path
 from typing import Annotated
@@ -31,10 +30,9 @@ import h5py
 import numpy as np
 from cyclopts import App, Parameter
 
-from benchmarks import processor_seconds
-from tests.measurements import markdown_table
+from benchmarks import in_turns, used
+from tests.measurements import ROOT, markdown_table
 
-HERE = Path(__file__).resolve().parent.parent
 # attributes that may differ; a scene's text gains keys as the program does
 UNLIKE = {"wall_seconds", "setup_seconds", "program_version", "source", "scene", "scene_checksum"}
 UNLIKE_IN_REPORT = {"run", "wall_seconds", "program_version"}
@@ -251,15 +249,15 @@ def compare(scene: Short, mine: Tree, base: Tree, numbers: bool) -> list[str]:
 @contextmanager
 def checked_out(revision: str, unfused: bool) -> Iterator[tuple[Tree, Tree]]:
     """This tree and a revision's, which goes when done."""
-    git = ["git", "-C", str(HERE)]
+    git = ["git", "-C", str(ROOT)]
     with tempfile.TemporaryDirectory(prefix="same-bits-") as room:
-        folder, here = Path(room) / "base", HERE
+        folder, here = Path(room) / "base", ROOT
         subprocess.run([*git, "worktree", "add", "--quiet", "--detach", str(folder), revision], check=True)
         try:
             if unfused:
                 here, strange = Path(room) / "here", shutil.ignore_patterns("__pycache__")
                 for package in ("lagrange", "meshes", "fem", "residual"):
-                    shutil.copytree(HERE / package, here / package, ignore=strange)
+                    shutil.copytree(ROOT / package, here / package, ignore=strange)
                 for tree in (here, folder):
                     _unfuse(tree)
             yield Tree(here, Path(room) / "mine"), Tree(folder, Path(room) / "of-base")
@@ -279,9 +277,8 @@ def _unfuse(tree: Path) -> None:
 
 def _taken(tree: Tree, *arguments: str, **environment: str) -> tuple[float, float]:
     """Wall and processor time of one run-fem, s."""
-    began, before = time.perf_counter(), processor_seconds(resource.RUSAGE_CHILDREN)
-    tree.command("fem", "--quiet", "--force", "--output", str(tree.room / "speed.nc"), *arguments, **environment)
-    return time.perf_counter() - began, processor_seconds(resource.RUSAGE_CHILDREN) - before
+    command = "fem", "--quiet", "--force", "--output", str(tree.room / "speed.nc"), *arguments
+    return used(tree.command, *command, **environment)
 
 
 def _speed(mine: Tree, base: Tree, sizes: list[float], pairs: int) -> str:
@@ -291,11 +288,8 @@ def _speed(mine: Tree, base: Tree, sizes: list[float], pairs: int) -> str:
         options = ("--mesh-size", repr(size), "--duration", repr(SPEED_MS))
         for tree in (mine, base):  # compiled, meshed
             _taken(tree, "--mesh-size", repr(size), "--duration", "0.01")
-        taken = []
-        for turn in range(pairs):
-            order = (mine, base) if turn % 2 else (base, mine)
-            found = {tree: _taken(tree, *options) for tree in order}
-            taken.append((*found[mine], *found[base]))
+        calls = {tree: partial(_taken, tree, *options) for tree in (mine, base)}
+        taken = [(*found[mine], *found[base]) for found in in_turns(calls, pairs)]
         wall, spent, base_wall, base_spent = np.array(taken).T
         ratios = [f"{statistics.median(r):.3f} ({min(r):.3f} … {max(r):.3f})"
                   for r in (wall / base_wall, spent / base_spent)]  # fmt: skip

@@ -17,10 +17,8 @@ from unittest import mock
 import numpy as np
 
 from benchmarks import in_turns, paper_plan, spread, timed
-from fem.solver.elements.plan import ElementPlan
-from fem.solver.simulate import make_plan, run
-from fem.solver.solver import Samples
-from lagrange.scene.scene import read_scene
+from fem.solver.simulate import run
+from fem.solver.solver import Plan, Samples
 from tests.measurements import markdown_table, program
 
 DURATION_MS = 5.0
@@ -59,6 +57,10 @@ class Skip:
         return mock.patch("fem.solver.elements.arrays.REACH", self.reach) if self.reach else nullcontext()
 
 
+def _usual(size_mm):
+    return f"numerics.mesh_size_mm={size_mm!r}", f"numerics.duration_ms={DURATION_MS}"
+
+
 def _with(key: str, value: float) -> tuple[str, ...]:
     return (f"{key}={value!r}",)
 
@@ -78,23 +80,23 @@ RIGID = (("rollers",), ("inner_ring",), ("outer_ring",), ("inner_ring", "outer_r
 def skip_table(size_mm: float, pairs: int) -> str:
     """Table of the time loop without a part over the one with it, in turns, and of how far their results differ."""
     headings = ("left out", "time over the same scene with it (median)", "lowest … highest", "largest difference")
-    rows, duration = [], f"numerics.duration_ms={DURATION_MS}"
+    rows, usual = [], _usual(size_mm)
     for skip in SKIPS:
-        short = paper_plan(size_mm, duration, *skip.scene)
-        whole = paper_plan(size_mm, duration, *skip.scene, *skip.whole)
+        short, whole = paper_plan(*usual, *skip.scene), paper_plan(*usual, *skip.scene, *skip.whole)
         rows.append((skip.name, *_compared(short, whole, pairs, skip.forced)))
-    elastic = paper_plan(size_mm, duration)
+    elastic = paper_plan(*usual)
     for names in RIGID:  # steps may be longer, which the time counts in
-        rigid = paper_plan(size_mm, duration, *(f'bodies.{name}="rigid"' for name in names))
+        rigid = paper_plan(*usual, *(f'bodies.{name}="rigid"' for name in names))
         words = " and ".join(name.replace("_", " ") for name in names)
         steps = f"{rigid.time_step / elastic.time_step:.2f} times as long a step"
         rows.append((f"elasticity of {words}, an approximation; {steps}", *_compared(rigid, elastic, pairs)))
-    rows.append(("elastic bodies: --model lagrange, an approximation", *_against_lagrange(elastic)))
+    rigid = paper_plan(*usual, "model=lagrange")
+    rows.append(("elastic bodies: --model lagrange, an approximation", *_compared(rigid, elastic, pairs)))
     return markdown_table(headings, rows)
 
 
 def _compared(
-    short: ElementPlan, whole: ElementPlan, pairs: int, forced: Callable[[], AbstractContextManager] = nullcontext
+    short: Plan, whole: Plan, pairs: int, forced: Callable[[], AbstractContextManager] = nullcontext
 ) -> tuple[str, str, str]:
     """Cells of a row: median and spread of the ratios of the two plans' times, largest difference of their results."""
     whole.prepare()
@@ -112,7 +114,7 @@ def _compared(
     return f"{statistics.median(ratios):.3f}", spread(ratios), f"{difference:.0e}" if difference else "0"
 
 
-def _run(plan: ElementPlan) -> tuple[float, Samples]:
+def _run(plan: Plan) -> tuple[float, Samples]:
     """Processor time of the time loop, s, and its samples."""
     blocks = []
     taken, _ = timed(run, plan, blocks.append)
@@ -124,18 +126,7 @@ def _difference(found: Samples, wanted: Samples, names: tuple[str, ...]) -> floa
     return float(max(np.abs(found[name] - wanted[name]).max() for name in names) / largest)
 
 
-def _against_lagrange(elastic: ElementPlan) -> tuple[str, str, str]:
-    """Cells of the Lagrangian model's row: time over the elastic bodies', relative error of the hub's mean height."""
-    plan = make_plan(read_scene(None, ("model=lagrange", f"numerics.duration_ms={DURATION_MS}")))
-    plan.prepare()
-    taken, found = timed(plan.first_state().advance, plan.n_samples)
-    runs = [_run(elastic) for _ in range(3)]
-    ratio = taken / statistics.median(seconds for seconds, _ in runs)
-    worst = abs(float(found.samples["inner_y"].mean()) / float(runs[0][1]["inner_y"].mean()) - 1.0)
-    return f"{ratio:.3f}", "", f"{worst:.0e}"
-
-
-def seconds_of_a_step(plan: ElementPlan) -> float:
+def seconds_of_a_step(plan: Plan) -> float:
     """Processor time of a run's time loop over its steps."""
     taken, _ = timed(run, plan, lambda block: None)
     return taken / plan.steps
@@ -146,9 +137,8 @@ def cost_row(size_mm: float, pairs: int, name: str, folder: Path) -> tuple[str, 
 
     `folder` : of speed and load tables
     """
-    duration = f"numerics.duration_ms={DURATION_MS}"
-    plain = paper_plan(size_mm, duration)
-    with_it = paper_plan(size_mm, duration, *(setting.format(folder=folder) for setting in COSTS[name]))
+    usual = _usual(size_mm)
+    plain, with_it = paper_plan(*usual), paper_plan(*usual, *(each.format(folder=folder) for each in COSTS[name]))
     calls = {"plain": partial(seconds_of_a_step, plain), "with it": partial(seconds_of_a_step, with_it)}
     for call in calls.values():  # compiles
         call()

@@ -7,8 +7,6 @@ step.
 """
 
 import os
-import resource
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -21,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from numba import njit
 
-from benchmarks import median_seconds, paper_plan, processor_seconds, timed
+from benchmarks import command_seconds, median_seconds, paper_plan, timed
 from benchmarks.table_costs import skip_table
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
 from fem.kernels import columns
@@ -297,9 +295,9 @@ def least_work(plan: ElementPlan) -> tuple[dict[str, float], float, float]:
 PEAK = """
 import sys
 from pathlib import Path
-from fem.solver.simulate import make_plan, run
-from lagrange.scene.scene import read_scene
-plan = make_plan(read_scene(None, (f"numerics.mesh_size_mm={sys.argv[1]}", "numerics.duration_ms=0.02")))
+from benchmarks import paper_plan
+from fem.solver.simulate import run
+plan = paper_plan(f"numerics.mesh_size_mm={sys.argv[1]}", "numerics.duration_ms=0.02")
 plan.prepare()
 run(plan, lambda samples: None)
 peak = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM"))
@@ -313,21 +311,6 @@ def peak_bytes(size_mm: float) -> tuple[int, int]:
         done = subprocess.run([sys.executable, "-c", PEAK, str(size_mm)], capture_output=True, text=True, check=True)
     freedom, peak = done.stdout.split()
     return int(freedom), int(peak)
-
-
-def start_seconds(repeats: int = 7) -> tuple[float, float]:
-    """Wall and processor time of a whole `run-fem` of one sample at 1 mm, caches warm, medians, s."""
-    walls, processors = [], []
-    with tempfile.TemporaryDirectory() as folder:
-        run_fem = [sys.executable, "-m", "fem"]
-        command = [*run_fem, "--quiet", "--duration", "0.01", "--output", f"{folder}/run.nc"]
-        for attempt in range(repeats + 1):
-            before, began = processor_seconds(resource.RUSAGE_CHILDREN), time.perf_counter()
-            subprocess.run(command, check=True, cwd=Path(__file__).parent.parent)
-            if attempt:
-                walls.append(time.perf_counter() - began)
-                processors.append(processor_seconds(resource.RUSAGE_CHILDREN) - before)
-    return statistics.median(walls), statistics.median(processors)
 
 
 SIZES_MM = (2.0, 1.0, 0.5, 0.25)
@@ -359,7 +342,7 @@ class Mesh:
 
 def measure(size_mm: float) -> Mesh:
     """Time one mesh of the paper's scene."""
-    setup, plan = timed(paper_plan, size_mm, clock=time.perf_counter)
+    setup, plan = timed(paper_plan, f"numerics.mesh_size_mm={size_mm!r}", clock=time.perf_counter)
     plan.prepare()
     return Mesh(
         size_mm=size_mm, plan=plan, setup=setup, phases=time_phases(plan), step=step_seconds(plan),
@@ -431,7 +414,8 @@ def main(*, sizes: tuple[float, ...] = SIZES_MM, pairs: int = 7, skips: bool = T
         each = (many[1] - few[1]) / (many[0] - few[0])
         rows.append((f"peak memory of a process at {max(sizes):g} mm, MB", f"{few[1] / 1e6:.0f}"))
         rows.append(("memory per degree of freedom more, B", f"{each:.0f}"))
-    wall, processor = start_seconds()
+    with tempfile.TemporaryDirectory() as folder:
+        wall, processor = command_seconds("fem", "--quiet", "--duration", "0.01", "--output", f"{folder}/run.nc")
     rows.append(("a whole run of one sample at 1 mm, caches warm, s", f"{wall:.2f}"))
     rows.append(("the same, processor time, s", f"{processor:.2f}"))
     growth = markdown_table(("quantity", "found"), rows)

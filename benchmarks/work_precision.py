@@ -6,7 +6,6 @@ finest is the reference. Contacts that meshes resolve are there for the static e
 processor times of the time loop on one thread, scaled to 60 ms. Writes work_precision.md and work_precision.png.
 """
 
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -76,7 +75,7 @@ def measured(kind: str, name: str, scene: str, settings: dict) -> Point:
     plan = make_plan(parse_scene(tables, name))
     plan.prepare()
     kept: list = []
-    spent, _ = timed(lambda: run(plan, kept.append, restart=lambda reason: kept.clear()), clock=time.thread_time)
+    spent, _ = timed(lambda: run(plan, kept.append, restart=lambda reason: kept.clear()))
     record = 1e-3 * tables["numerics"]["duration_ms"]
     operation, bearing = plan.scene.ideal_operation(), plan.scene.ideal_bearing()
     exact = exact_statics(bearing, operation.radial_load, operation.first_roller_angle).hub

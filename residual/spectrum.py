@@ -249,7 +249,7 @@ def averaged(records: Sequence[np.ndarray], interval: float, count: int, padding
 
     `padding` : times its length that a segment has with the zeros behind it: so many bins for one of the resolution
     """
-    window, size, total = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count), padding * count, 0.0
+    window, size, total = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count), padding * count, np.zeros(1)
     pieces = [record[start : start + count] for record in records
               for start in range(0, record.size - count + 1, count - count // 2)]  # fmt: skip
     for piece in pieces:

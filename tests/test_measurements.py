@@ -12,7 +12,7 @@ from tests import measurements
 from tests.documented import PROGRAMS
 from tests.measurements import HEAD, MEASURED, MEASUREMENT_PAGES, QUOTE, READER_PAGES, ROOT, quotes
 
-FORMER = r"git show [0-9a-f]{8}:(tests|benchmarks)/[\w/]+\.py"  # a commit's tree that holds the program
+FORMER = r"git show [0-9a-f]{8}:(tests|benchmarks|docs/studies)/[\w/]+\.py"  # a commit's tree that holds the program
 TABLE = measurements.markdown_table(
     ("case", "model", "error"), [("steady", "fem", "+0.043 %"), ("", "reduced", "2.4·10⁻⁷ (3)")]
 )
@@ -79,9 +79,7 @@ def test_the_commands_that_tables_are_from_are_there(page):
     for found in HEAD.finditer(page.read_text(encoding="utf-8")):
         python, *words = shlex.split(found["command"])
         if found["former"] or python == "git":
-            assert found["former"] and re.fullmatch(
-                r"git show [0-9a-f]{8}:(tests|benchmarks)/[\w/]+\.py", found["command"]
-            )
+            assert found["former"] and re.fullmatch(FORMER, found["command"])
         elif words[:2] == ["-m", "pytest"]:
             assert [name for name in words[2:] if not (ROOT / name).is_file()] == [], found[0]
         elif words[:1] == ["-m"]:

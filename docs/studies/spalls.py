@@ -1,16 +1,11 @@
 """A labelled set of spalls: `python spalls.py 1000` writes spalls.csv, `python spalls.py` classifies studies/spalls.
 
-`python spalls.py --records FOLDER` lets it answer for measured records too, in .npz files
-of `x` and `scale`, `rate` and `shaft` (Hz), `label` and `geometry` (number, diameters in mm).
 The classifier is a forest of trees on the levels of the envelope's lines; noise is put on the signals of both halves.
 It needs scikit-learn, xarray and netCDF4: python -m pip install scikit-learn xarray netCDF4
 """
 
 import sys
-from collections import Counter
-from fractions import Fraction
 from importlib.util import find_spec
-from pathlib import Path
 
 import numpy as np
 
@@ -50,40 +45,6 @@ def features(data, noise: float, rng) -> np.ndarray:
     return np.log(np.array(found).T)
 
 
-def measured(folder: str, path: str = "studies/spalls/study.nc") -> None:
-    """Train on all points; print answers for measured records, whole and by pieces as long as simulated signals."""
-    import xarray
-    from scipy.signal import resample_poly
-    from sklearn.ensemble import RandomForestClassifier
-
-    from residual.measured.diagnosis import Geometry
-
-    data = xarray.open_dataset(path)
-    data = data.isel(point=np.flatnonzero(data.status.values == "complete"))
-    step, n = float(data.time[1] - data.time[0]), data.time.size
-    for noise in NOISES[:2]:
-        forest = RandomForestClassifier(300, random_state=0)
-        forest.fit(features(data, noise, np.random.default_rng(2)), data.spall_body.values.astype(str))
-        for record in sorted(Path(folder).glob("*.npz")):
-            with np.load(record) as file:
-                count, *sizes, angle = map(float, file["geometry"])
-                ratio = Fraction(1.0 / step / float(file["rate"])).limit_denominator(1000)
-                signal = resample_poly(file["x"] - file["x"].mean(), ratio.numerator, ratio.denominator)
-                geometry = Geometry(
-                    elements=int(count), element_diameter=sizes[0], pitch_diameter=sizes[1],
-                    contact_angle=np.radians(angle),
-                )  # fmt: skip
-                lines, label = geometry.lines(float(file["shaft"])), str(file["label"])
-            answers = []
-            for pieces in (signal[None], signal[: len(signal) // n * n].reshape(-1, n)):
-                of_lines = {f"{name}_Hz": ("point", np.full(len(pieces), lines[name])) for name in LINES}
-                time = step * np.arange(pieces.shape[1])
-                made = xarray.Dataset(of_lines | {"inner_ay": (("point", "time"), pieces)}, coords={"time": time})
-                answers.append(Counter(forest.predict(features(made, 0.0, np.random.default_rng(3))).tolist()))
-            pieces = ", ".join(f"{name} {count}" for name, count in answers[1].most_common())
-            print(f"noise {noise:g}: {record.stem}, {label}: whole {answers[0].most_common(1)[0][0]}; pieces {pieces}")
-
-
 def classify(path: str = "studies/spalls/study.nc") -> None:
     """Train on half of the points; print a confusion matrix of the other half for each noise, truth by rows."""
     import xarray
@@ -105,9 +66,6 @@ def classify(path: str = "studies/spalls/study.nc") -> None:
 if __name__ == "__main__":
     if missing := [name for name in ("sklearn", "xarray", "netCDF4") if find_spec(name) is None]:
         print(f"needs {', '.join(missing)}: python -m pip install scikit-learn xarray netCDF4", file=sys.stderr)
-        if sys.argv[1:2] in ([], ["--records"]):  # points can be written and solved without
+        if not sys.argv[1:]:  # points can be written and solved without
             sys.exit(2)
-    if sys.argv[1:2] == ["--records"]:
-        measured(sys.argv[2])
-    else:
-        points(int(sys.argv[1])) if len(sys.argv) > 1 else classify()
+    points(int(sys.argv[1])) if sys.argv[1:] else classify()

@@ -103,6 +103,21 @@ class EnvelopeSpectrum(NamedTuple):
         """log(1 + power over background) at frequencies, Hz."""
         return np.log1p(self.ratio[self.at(frequencies)])
 
+    @property
+    def search_step(self) -> float:
+        """Between the frequencies of combs that are tried, Hz."""
+        return self.resolution / (STEPS * HARMONICS)
+
+    def scores(self, frequency: np.ndarray, sides: np.ndarray | float) -> np.ndarray:
+        """Of combs, (n,), Hz, with sidebands at a distance, Hz; 0: none.
+
+        The sum of log(1 + power over background) of five harmonics, and half of that of sidebands: one loud line weighs
+        little against several faint ones.
+        """
+        harmonics = np.multiply.outer(ORDERS, frequency)
+        beside = [harmonics - sides, harmonics + sides] if np.any(sides) else []
+        return self.clear(harmonics).sum(axis=0) + SIDEBAND * sum(self.clear(each).sum(axis=0) for each in beside)
+
     def modulation(self, frequencies: np.ndarray) -> np.ndarray:
         """Depth at frequencies, (n,), Hz, the background's share of the power taken off; 0 beyond the spectrum."""
         index = self.at(frequencies)
@@ -197,17 +212,11 @@ def envelope_spectrum(power: np.ndarray, rate: float, length: float, top: float)
 def best_comb(spectrum: EnvelopeSpectrum, expected: float, tolerance: float, sides: float) -> tuple[float, float]:
     """The frequency, Hz, within a relative tolerance whose harmonics, with sidebands, stand out most, and its score.
 
-    The score is the sum of log(1 + power over background) of five harmonics, and half of that of sidebands: one loud
-    line weighs little against several faint ones.
-
     `sides` : float, Hz; spacing of sidebands, which scales with the frequency; 0: none
     """
-    step = spectrum.resolution / (STEPS * HARMONICS)
-    count = max(1, ceil(tolerance * expected / step))
+    count = max(1, ceil(tolerance * expected / spectrum.search_step))
     frequency = expected * (1.0 + tolerance * np.arange(-count, count + 1) / count)
-    beside = np.array([0.0, -sides, sides] if sides else [0.0]) / expected
-    lines = spectrum.clear(np.multiply.outer(frequency, np.add.outer(beside, ORDERS))).sum(axis=2)
-    score = lines[:, 0] + SIDEBAND * lines[:, 1:].sum(axis=1)
+    score = spectrum.scores(frequency, sides / expected * frequency)
     best = int(np.argmax(score))
     return float(frequency[best]), float(score[best])
 
@@ -374,7 +383,7 @@ def pool(signal: Signal, geometry: Geometry, shaft: float) -> int:
     return 1 if not FEWEST_POOLED <= passes < FEWEST_PASSES else ceil(2.0 * FEWEST_PASSES / passes)
 
 
-def _look(signal, whitened: Prewhitened, whole, geometry, shaft, tolerance, turns, healthy):
+def _look(signal, whitened: Prewhitened, whole: tuple[np.ndarray, float], geometry, shaft, tolerance, turns, healthy):
     """The diagnosis by segments of so many turns of the cage."""
     nominal, rng = geometry.lines(shaft), np.random.default_rng(SEED)
     length, top = turns / nominal["FTF"], 1.3 * (HARMONICS + 1) * max(nominal[name] for name in BODIES)
@@ -454,7 +463,10 @@ def _look(signal, whitened: Prewhitened, whole, geometry, shaft, tolerance, turn
 
 def _chance(spectrum, score, decoys, reach, sides):
     """Share of combs about other frequencies, Hz, that score as high, and standard deviations above their mean."""
-    null = np.array([best_comb(spectrum, each, reach, sides)[1] for each in decoys])
+    low, high = (1.0 - reach) * decoys, (1.0 + reach) * decoys
+    frequency = np.arange(low.min(), high.max() + 2.0 * spectrum.search_step, spectrum.search_step)
+    scores, first, last = spectrum.scores(frequency, sides), *np.searchsorted(frequency, (low, high))
+    null = np.array([scores[a : b + 1].max() for a, b in zip(first, last, strict=True)])
     return float((1 + np.sum(null >= score)) / (1 + DECOYS)), float((score - null.mean()) / max(null.std(), 1e-9))
 
 

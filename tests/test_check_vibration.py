@@ -356,6 +356,7 @@ def test_a_healthy_series_does_not_grow_and_a_short_one_is_refused(tmp_path, cap
     short = [*given[:2], *given[5:]]
     for more, words in (([], "2 usable records; at least 3 are needed"), (["--against", given[0]], "one record")):
         assert main([*short, *more]) == 2 and words in capsys.readouterr().err
+    assert main(given[:5]) == 2 and capsys.readouterr().err.count("the bearing is missing") == 1
 
 
 def test_chance_of_growth_is_that_of_the_ranks():

@@ -478,7 +478,7 @@ def trend_of(paths: Sequence[Path], question: Question, healthy: Path | None = N
     entries += [Entry(each.name, "left over from pools of records, which are short") for each, *_ in waiting]
     depths = [entry.depths for entry in entries if entry.depths is not None]
     if len(depths) < FEWEST:
-        reasons = "; ".join(entry.reason for entry in entries if entry.reason is not None)
+        reasons = "; ".join(dict.fromkeys(entry.reason for entry in entries if entry.reason is not None))
         said = f"a series of {len(depths)} usable records; at least {FEWEST} are needed"
         raise InputError(said + (f" ({reasons})" if reasons else ""))
     return Trend(entries, growth(depths))

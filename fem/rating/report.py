@@ -165,9 +165,11 @@ def _cell(answer: Answer) -> str:
 
 
 def remarks(ratings: Mapping[str, Rating]) -> Iterator[str]:
-    """What is missing with its reason, and warnings; those of all bearings once."""
+    """Ratings that are not the standards', what is missing with its reason, warnings; those of all bearings once."""
     found: dict[str, list[str]] = {}
     for name, rating in ratings.items():
+        for words in _ratings_in_words(rating):
+            found.setdefault(words, []).append(name)
         for reason, meanings in missing(rating).items():
             found.setdefault(f"not computed: {meanings}: {reason}", []).append(name)
         for warning in rating.warnings:

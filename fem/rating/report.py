@@ -168,7 +168,7 @@ def remarks(ratings: Mapping[str, Rating]) -> Iterator[str]:
     """Ratings that are not the standards', what is missing with its reason, warnings; those of all bearings once."""
     found: dict[str, list[str]] = {}
     for name, rating in ratings.items():
-        for words in _ratings_in_words(rating):
+        for words in ratings_in_words(rating):
             found.setdefault(words, []).append(name)
         for reason, meanings in missing(rating).items():
             found.setdefault(f"not computed: {meanings}: {reason}", []).append(name)

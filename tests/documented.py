@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGES = [  # the longest first, so that two at a time end together
     "docs/recipes.md", "docs/measured.md", "docs/first_bearing.md", "docs/vibration_tutorial.md", "docs/studies.md",
     "README.md", "docs/design_tutorial.md", "docs/stress_tutorial.md", "docs/equations_tutorial.md", "docs/tables.md",
-    "docs/spectra.md", "docs/rating.md", "docs/clearance.md", "docs/lagrange.md",
+    "docs/spectra.md", "docs/rating.md", "docs/axial_load.md", "docs/clearance.md", "docs/lagrange.md",
 ]  # fmt: skip
 PROGRAMS = ("run-fem", "check-residual", "check-vibration", "render-fem", "run-live", "run-study", "rate-bearing")
 RUN = r"^```(?:sh\n|python\nimport h5py)"  # other examples in Python say which package they take

@@ -2,13 +2,12 @@
 
 import time
 import tomllib
-from collections.abc import Iterator
 
 import numpy as np
 from pydantic import BaseModel, Field
 
 from fem.live.player import MM, STEEPEST, UM, Control, controls, values_of
-from fem.rating.answers import BLOCKS, Answer, Case, Options, Rating
+from fem.rating.answers import BLOCKS, Case, Options, Rating
 from fem.rating.sheet import Line, in_words, missing, sheet
 from lagrange.kinematics import roller_angles
 from lagrange.rating.sources import Unavailable
@@ -30,7 +29,8 @@ BEYOND = (  # the controls of motion
 MAIN = (  # above all blocks: of each the first that there is
     ("L10_h", "L10_Mrev"), ("L10r_h", "L10r_Mrev"), ("s0",), ("pressure_over_permitted",),
     ("largest_load_N", "peak_pressure_MPa"), ("kappa",))  # fmt: skip
-LOADS, NOT_OF_ALL = ("radial_load_N", "speed_rpm"), ("axial_load_N", "misalignment_mrad")  # bearings take the latter
+LOADS = ("radial_load_N", "speed_rpm")
+NOT_OF_ALL = ("axial_load_N", "misalignment_mrad")  # not every bearing takes them
 ORDER = ("radial_load_N", "axial_load_N", "speed_rpm", "clearance_um", "misalignment_mrad", "viscosity_mm2_s")
 
 
@@ -66,9 +66,8 @@ def scenes(given: Scene, wanted: Wanted) -> tuple[Scene, Scene, Options]:
     base = parse_scene(tables, "these values")
     operation, bearing = tables.setdefault("operation", {}), tables.setdefault("bearing", {})
     operation |= wanted.model_dump(include={*LOADS, *NOT_OF_ALL}, exclude_none=True)
-    for key in NOT_OF_ALL:
-        if not operation.get(key):
-            operation.pop(key, None)
+    for key in (key for key in NOT_OF_ALL if not operation.get(key)):
+        operation.pop(key, None)
     if wanted.clearance_um is not None:
         bearing["clearance_um"] = wanted.clearance_um
         bearing.pop("outer_raceway_diameter_mm", None)
@@ -98,7 +97,8 @@ def rate(given: Scene, wanted: Wanted) -> dict[str, object]:
     return {
         "name": scene.name, "values": {key: values[key] for key in ORDER},
         "ends": {each.key: [each.low, each.high, each.step] for each in sliders(base)},
-        "tiles": [(each.meaning, in_words(each)) for each in _main(rating)],
+        "tiles": [(each.meaning, in_words(each)) for names in MAIN
+                  for each in [rating.answers[name] for name in names if rating[name] is not None][:1]],
         "blocks": {block: [_plain(line) for line in lines] for block, lines in sheet(rating).items()},
         "missing": missing(rating), "warnings": rating.warnings, "picture": picture(rating.case),
         "toml": scene.to_toml(), "ms": 1e3 * (time.perf_counter() - began),
@@ -107,11 +107,6 @@ def rate(given: Scene, wanted: Wanted) -> dict[str, object]:
 
 def _plain(line: Line) -> tuple[str, ...]:
     return line.meaning, line.value, line.source.name + " †" * bool(line.source.second_hand), str(line.source)
-
-
-def _main(rating: Rating) -> Iterator[Answer]:
-    for names in MAIN:
-        yield from [rating.answers[name] for name in names if rating[name] is not None][:1]
 
 
 def picture(case: Case) -> dict[str, object] | None:

@@ -207,7 +207,7 @@ def test_noise_of_few_turns_is_hardly_ever_a_line_and_tones_leave_none():
     makes loud tones of one family, as of an inverter, as faint as noise.
     """
     found = [judged(noise(seed, duration=0.25)).verdict for seed in range(30)]
-    assert found.count("none") >= 18 and set(found) == {"none", "uncertain"}  # 8 % of lines have a chance below 1 %
+    assert found.count("none") >= 27 and set(found) <= {"none", "uncertain"}
     tones = sum(30.0 * np.cos(2.0 * np.pi * (4000.0 + k * 107.0) * time_of()) for k in range(-5, 6))
     assert judged(noise() + tones).verdict == "none"
     # nor does a verdict depend on the unit, and a faint line is a trace

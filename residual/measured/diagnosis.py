@@ -58,7 +58,7 @@ TOLERANCE = 0.01  # of the speed, where no other is given
 SLIP, MOST_SLIP = 0.01, 0.04  # of a line, by which slip and contact angle move it; what sidebands of the shaft confirm
 AROUND = 0.06  # of the speed, within which no comb may lie where a record shows no sign of damage
 DECOYS, SEED = 200, 0  # other frequencies, drawn alike: the same record always gets the same verdict
-SURE, DOUBTFUL, NEVER = 0.01, 0.05, 1.0 / (1 + DECOYS)  # share of decoys that reach a line's score; none of them
+SURE, DOUBTFUL, NEVER = 0.01, 0.05, 1.0 / (1 + DECOYS)  # chance of a line's score; where no decoy reaches it
 CLEAR, VISIBLE, FAINT = 5.0, 4.0, 3.0  # standard deviations of the decoys' scores above their mean
 DEEP, IN_OCTAVE, DEEPER = 0.2, 0.375, 0.3  # modulation depth of damage; where it is deepest; of a fainter comb
 STANDS_OUT, FEWEST_LINES = 5.0, 2  # power over background of a harmonic, and how many of five do so in damage
@@ -275,7 +275,7 @@ class Finding(NamedTuple):
     name: str  # of its first line
     expected: float  # Hz, kinematic, at the nominal speed
     found: float  # Hz
-    p: float  # share of other frequencies of this record that score as high
+    p: float  # chance of such a score by other frequencies of this record
     clear: float  # standard deviations of their scores above their mean
     depth: float  # of all harmonics together
     lines: tuple[Line, ...]  # harmonics
@@ -462,12 +462,18 @@ def _look(signal, whitened: Prewhitened, whole: tuple[np.ndarray, float], geomet
 
 
 def _chance(spectrum, score, decoys, reach, sides):
-    """Share of combs about other frequencies, Hz, that score as high, and standard deviations above their mean."""
+    """Chance of a score by combs about other frequencies, Hz, and standard deviations above their mean.
+
+    The chance is their share that score as high, or that of Gumbel's distribution where it is more: each score is the
+    largest of many, and in a short record all of them are the same few.
+    """
     low, high = (1.0 - reach) * decoys, (1.0 + reach) * decoys
     frequency = np.arange(low.min(), high.max() + 2.0 * spectrum.search_step, spectrum.search_step)
     scores, first, last = spectrum.scores(frequency, sides), *np.searchsorted(frequency, (low, high))
     null = np.array([scores[a : b + 1].max() for a, b in zip(first, last, strict=True)])
-    return float((1 + np.sum(null >= score)) / (1 + DECOYS)), float((score - null.mean()) / max(null.std(), 1e-9))
+    clear = float((score - null.mean()) / max(null.std(), 1e-9))
+    largest = -np.expm1(-np.exp(-np.euler_gamma - np.pi / np.sqrt(6.0) * clear))
+    return float(max((1 + np.sum(null >= score)) / (1 + DECOYS), largest)), clear
 
 
 def _shaft(signal, envelope, shaft, tolerance, rng):
@@ -617,7 +623,7 @@ def _against_none(signal, whole, findings, spectrum, nominal, shaft, reach, rng)
     # tones of one family look impulsive too, but not prewhitened
     kurtosis = min(own or 0.0, 1.5 * float(np.mean(power**2) / np.mean(power) ** 2))
     for each in [each for each in findings if each.p <= SURE][:1]:
-        yield f"{each.name} is reached by {100.0 * each.p:.2g} % of other frequencies only."
+        yield f"{each.name} stands out so by chance in {100.0 * each.p:.2g} % of cases only."
     for name in BODIES:
         each = _finding(spectrum, spectrum, name, nominal, wide, rng) if reach[name] < wide else None
         if each is not None and each.stands_out and each.clear >= CLEAR and abs(each.off) > 100.0 * reach[name]:

@@ -359,10 +359,10 @@ def vibration_sentences(e: Evaluation) -> list[str]:
     if isinstance(diagnosis, str):
         scene += f" No verdict by check-vibration: {diagnosis}."
     else:
-        whose, told = f"the {body}'s acceleration along y", diagnosis.headline
+        whose, headline = f"the {body}'s acceleration along y", diagnosis.headline
         if diagnosis.damaged and not names:
-            told = "Without a machine's noise a sound bearing's varying compliance meets the criteria of damage."
-        scene = " ".join([scene, f"Verdict of check-vibration on {whose}: {told}", *diagnosis.reasons])
+            headline = "Without a machine's noise a sound bearing's varying compliance meets the criteria of damage."
+        scene = " ".join([scene, f"Verdict of check-vibration on {whose}: {headline}", *diagnosis.reasons])
     if found is None:
         why = "the bearing stands still, or the record is too short or too coarse"
         why = "the speed changes, and lines are given in orders" if e.record.varies_speed else why

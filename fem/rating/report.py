@@ -4,7 +4,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import date
-from itertools import groupby
+from itertools import groupby, zip_longest
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.rating.answers import BULKY, Answer, Rating
-from fem.rating.sheet import MIXED, Line, missing, number, ratings_in_words, sheet
+from fem.rating.sheet import MIXED, Line, in_words, missing, number, ratings_in_words, sheet
 from lagrange.files.output import load_matplotlib, render_page, write_whole
 from lagrange.messages import Section, engineering, shown
 from lagrange.version import VERSION
@@ -24,9 +24,7 @@ FIGURE_SPACE = "\u2007"  # as wide as a digit
 LABEL, WIDTH, WIDE = 28, 78, 100  # characters: of a label, of a block, of a terminal that has two beside each other
 NOTES = "means are over a pitch of the rollers; y points against the load, x across it"
 SECOND_HAND = f"† constants from secondary sources, which the JSON file names; {NOTES}"
-VERDICT = (  # of what there is, the first of one kind: answer, factor, words
-    ("C_N", 1e-3, "C = {:.1f} kN"), ("C0_N", 1e-3, "C0 = {:.1f} kN"), ("P_N", 1.0, "P = {:.0f} N"),
-    ("L10_h", 1.0, "L10 = {:.0f} h"), ("L10_Mrev", 1.0, "L10 = {:.0f} million revolutions"))  # fmt: skip
+VERDICT = "C_N", "C0_N", "P_N", "L10_h"
 TEMPLATE = Path(__file__).parent / "template" / "rating.html.j2"
 
 
@@ -40,49 +38,49 @@ def print_rating(rating: Rating) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    console, blocks = Console(highlight=False), sheet(rating)
+    console, grid = Console(highlight=False), Table.grid(padding=(0, 3, 0, 0))
+    wide = console.is_terminal and console.width >= WIDE
+    width = min(WIDTH, (console.width - 3) // 2 if wide else console.width)
+    blocks = [(name.capitalize(), _lines(lines, width)) for name, lines in sheet(rating).items()]
+    half = min(range(1, len(blocks)), key=lambda k: max(_height(blocks[:k]), _height(blocks[k:])))
+    grid.add_row(_column(blocks[:half]), _column(blocks[half:]))
     console.print(f"Rating of {shown(rating.name)}", style="italic", markup=False)
-    if console.is_terminal and console.width >= WIDE:
-        width = min(WIDTH, console.width // 2 - 3)
-        texts, grid = [_block(name, lines, width) for name, lines in blocks.items()], Table.grid(padding=(0, 3, 0, 0))
-        half = min(range(1, len(texts)), key=lambda k: max(_height(texts[:k]), _height(texts[k:])))
-        grid.add_row(*(_joined(texts[part]) for part in (slice(half), slice(half, None))))
-        console.print(grid)
-    else:
-        width = min(WIDTH, console.width)
-        console.print(_joined([_block(name, lines, width) for name, lines in blocks.items()]), soft_wrap=True)
-    lines = [f"defaults: {rating.scene.assumed}"] if rating.scene.assumed else []
-    lines += ratings_in_words(rating)
-    lines += [SECOND_HAND, *(f"not computed: {meanings}: {reason}" for reason, meanings in missing(rating).items())]
-    for line in (*lines, *(f"warning: {warning}" for warning in rating.warnings)):
+    console.print(grid if wide else _column(blocks), soft_wrap=True)
+    defaults = [f"defaults: {rating.scene.assumed}"] if rating.scene.assumed else []
+    for line in (*defaults, SECOND_HAND, *_notes(rating)):
         console.print(shown(line), soft_wrap=True, markup=False)
 
 
-def _block(name: str, lines: list[Line], width: int) -> "Text":
-    from rich.text import Text
-
-    text, right = Text(no_wrap=True).append(f"{name.capitalize()}\n", "bold"), width - LABEL
+def _lines(lines: list[Line], width: int) -> list[str]:  # of a block
+    found, right = [], width - LABEL
     for line in lines:
         labels, values = wrap(line.meaning, LABEL - 1), line.value.split("\n")
         values[-1] += "†" if line.source.second_hand else ""
         if values[0] == MIXED[1] and max(map(len, values)) > right:  # a large matrix below its label
-            text.append(f"{labels[0]:{LABEL}}{values[0]}\n" + "".join(f"  {row}\n" for row in values[1:]))
-            continue
-        values = [part for value in values for part in wrap(shown(value), right)]
-        for k in range(max(len(labels), len(values))):
-            label, value = (texts[k] if k < len(texts) else "" for texts in (labels, values))
-            text.append(f"{label:{LABEL}}{value}".rstrip() + "\n")
+            found += [f"{labels[0]:{LABEL}}{values[0]}", *(f"  {row}" for row in values[1:])]
+        else:
+            values = [part for value in values for part in wrap(shown(value), right)]
+            both = zip_longest(labels, values, fillvalue="")
+            found += [f"{label:{LABEL}}{value}".rstrip() for label, value in both]
+    return found
+
+
+def _height(blocks: list[tuple[str, list[str]]]) -> int:
+    return sum(len(lines) + 2 for _, lines in blocks)
+
+
+def _column(blocks: list[tuple[str, list[str]]]) -> "Text":
+    from rich.text import Text
+
+    text = Text(no_wrap=True)
+    for name, lines in blocks:
+        text.append(f"{name}\n", "bold").append("\n".join([*lines, "", ""]))
     return text
 
 
-def _height(texts: "Sequence[Text]") -> int:
-    return sum(text.plain.count("\n") + 1 for text in texts)
-
-
-def _joined(texts: "Sequence[Text]") -> "Text":
-    from rich.text import Text
-
-    return Text("\n", no_wrap=True).join(texts)
+def _notes(rating: Rating) -> list[str]:
+    lacking = (f"not computed: {meanings}: {reason}" for reason, meanings in missing(rating).items())
+    return [*ratings_in_words(rating), *lacking, *(f"warning: {warning}" for warning in rating.warnings)]
 
 
 def write_page(path: Path, rating: Rating) -> None:
@@ -128,13 +126,8 @@ def _stress(key: str) -> str:
 def _verdict(rating: Rating) -> str:  # the first sentence
     if rating["C_N"] is None:
         return f"No load ratings: {rating.answers['C_N'].reason}."
-    words = {name.partition("_")[0]: text.format(factor * rating[name])
-             for name, factor, text in reversed(VERDICT) if rating[name] is not None}  # fmt: skip
-    words = {name: words[name] for name in ("C", "C0", "P", "L10") if name in words}
-    if rating["stiffness_N_per_m"] is not None:
-        matrix = 1e-6 * rating["stiffness_N_per_m"]
-        words["k"] = f"stiffness {matrix[1, 1]:.0f} N/µm along the load, {matrix[0, 0]:.0f} N/µm across it"
-    return "; ".join(words.values()) + "."
+    found = (rating.answers[name] for name in VERDICT)
+    return "; ".join(f"{each.name.partition('_')[0]} = {in_words(each)}" for each in found if each.value is not None)
 
 
 # Bearings side by side under the same load
@@ -168,12 +161,8 @@ def remarks(ratings: Mapping[str, Rating]) -> Iterator[str]:
     """Ratings that are not the standards', what is missing with its reason, warnings; those of all bearings once."""
     found: dict[str, list[str]] = {}
     for name, rating in ratings.items():
-        for words in ratings_in_words(rating):
-            found.setdefault(words, []).append(name)
-        for reason, meanings in missing(rating).items():
-            found.setdefault(f"not computed: {meanings}: {reason}", []).append(name)
-        for warning in rating.warnings:
-            found.setdefault(f"warning: {warning}", []).append(name)
+        for text in _notes(rating):
+            found.setdefault(text, []).append(name)
     for text, names in found.items():
         yield text if len(names) == len(ratings) else f"{', '.join(names)}: {text}"
 

@@ -45,7 +45,7 @@ def print_rating(rating: Rating) -> None:
     half = min(range(1, len(blocks)), key=lambda k: max(_height(blocks[:k]), _height(blocks[k:])))
     grid.add_row(_column(blocks[:half]), _column(blocks[half:]))
     console.print(f"Rating of {shown(rating.name)}", style="italic", markup=False)
-    console.print(grid if wide else _column(blocks), soft_wrap=True)
+    console.print(grid if wide else _column(blocks), "", sep="\n", soft_wrap=True)
     defaults = [f"defaults: {rating.scene.assumed}"] if rating.scene.assumed else []
     for line in (*defaults, SECOND_HAND, *_notes(rating)):
         console.print(shown(line), soft_wrap=True, markup=False)
@@ -75,6 +75,7 @@ def _column(blocks: list[tuple[str, list[str]]]) -> "Text":
     text = Text(no_wrap=True)
     for name, lines in blocks:
         text.append(f"{name}\n", "bold").append("\n".join([*lines, "", ""]))
+    text.rstrip()
     return text
 
 

@@ -33,7 +33,7 @@ def test_rest_start_settles_around_the_equilibrium(tmp_path):
     options = ["--set", "numerics.start=rest", "--set", "numerics.load_ramp_ms=0.5"]
     assert run_main(["--mesh-size", "2", "--duration", "2", "--output", str(path), "--quiet", *options]) == 0
     record = read_result(path)
-    y, left = 1e6 * record.inner_y, energy_left(record)
+    y, left = 1e6 * record.inner_y, energy_left(record.energies)
     assert y[0] == 0.0
     assert y[100:].mean() == pytest.approx(-3.63, abs=0.05)
     assert abs(left - left[0]).max() < 1e-3 * record.energies["energy_elastic"].max()

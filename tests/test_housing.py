@@ -315,7 +315,7 @@ def test_runs_hit_by_their_load_move_as_their_own_forces_say_and_go_on_bit_for_b
     numerics = {"duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.2, "mesh_size_mm": 2.0}
     fine = {} if tables["model"] == "fem" else {"output_interval_us": 2.0}
     result = run_scene(parse_scene(tables | {"numerics": numerics | fine}, ""))
-    energies, left = result.energies, kit.energy_left(result)
+    energies, left = result.energies, kit.energy_left(result.energies)
     stored = np.ptp(energies["energy_support" if "support" in tables else "energy_shaft"])
     exchanged = np.ptp(energies["energy_elastic"] + energies["energy_contact"])
     least, lost = (3e-3, 1e-3) if "support" in tables else (0.2 * exchanged, 1e-6)

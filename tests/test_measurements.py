@@ -92,12 +92,3 @@ def test_the_commands_that_tables_are_from_are_there(page):
             assert section.isupper() or f"def {section.replace('-', '_')}(" in text or f'"{section}"' in text, found[0]
         else:  # a program of ours, a script of a page, or words
             assert python in PROGRAMS or python != "python" or words[0] == "spalls.py", found[0]
-
-
-def test_a_section_is_replaced_and_its_neighbours_stay(tmp_path):
-    page = tmp_path / "page.md"
-    page.write_text("# Page\n\nWords.\n\n## One\n\nold\n\n### Part\n\nold too\n\n## Other\n\nkept\n")
-    measurements.write_section(page, "One", "new")
-    assert page.read_text() == "# Page\n\nWords.\n\n## One\n\nnew\n\n## Other\n\nkept\n"
-    measurements.write_section(page, "Third", "added")
-    assert page.read_text().endswith("## Other\n\nkept\n\n## Third\n\nadded\n")

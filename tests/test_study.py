@@ -304,7 +304,7 @@ def test_a_clearance_is_varied_as_it_is_written_and_a_folder_gives_the_scenes_th
 @pytest.fixture(scope="module")
 def solved_once(tmp_path_factory):
     folder = tmp_path_factory.mktemp("study")
-    (folder / "s.toml").write_text(TWO_SPEEDS + 'signals = ["inner_ay"]\n', encoding="utf-8")
+    (folder / "s.toml").write_text(TWO, encoding="utf-8")
     assert study_main([str(folder / "s.toml"), "--output", str(folder / "s"), "--workers", "1", "--quiet"]) == 0
     return folder / "s"
 
@@ -615,7 +615,7 @@ def test_the_programs_of_the_examples_run(script, capsys):
     assert "of 8 right" in capsys.readouterr().out
 
 
-TWO = BASE + '[parameters]\n"operation.speed_rpm" = [1500.0, 3000.0]\n[keep]\nsignals = ["inner_ay"]\n'
+TWO = TWO_SPEEDS + 'signals = ["inner_ay"]\n'
 DEED = """
 from fem.solver.rigid.state import LagrangianState
 

@@ -277,7 +277,7 @@ def test_balls_strike_in_a_spall_at_the_ball_pass_frequency_and_keep_the_energy(
     strikes = np.array([event.time for event in run.events if event.kind == "strike" and event.raceway == "outer"])
     assert len(strikes) == pytest.approx(0.03 * pass_frequency, abs=1.0)
     assert np.diff(strikes).mean() == pytest.approx(1.0 / pass_frequency, rel=1e-3)
-    assert np.ptp(kit.energy_left(run)) < 1e-4 * np.ptp(run["energy_contact"])
+    assert np.ptp(kit.energy_left(run.energies)) < 1e-4 * np.ptp(run["energy_contact"])
 
 
 def test_a_crossing_restores_the_healthy_load_of_its_place_and_weighs_the_lines_as_the_load_zone_does():

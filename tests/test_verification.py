@@ -75,9 +75,12 @@ def test_what_failed_is_seen_the_exit_code_tells_whether_all_passed_and_a_subjec
     code, text = told(good, wrong, broken)
     assert code == 1 and "FAILED: wrong, broken" in text and "+5 % FAILS" in text and "no equilibrium" in text
     assert page.read_text() == "# Verification\n\n## Impact\n\nkept\n"
-    assert told(good, wrong, options=["a-subject", "--write"])[0] == 1
-    text = page.read_text(encoding="utf-8")
-    assert text.startswith("# Verification\n\n## Impact\n\nkept\n") and "## A subject\n" in text
+    for later in ("", "\n## Other\n\nkept\n"):  # added at the end; replaced up to the next section
+        page.write_text(page.read_text() + (later and f"\n### Part\n\nold\n{later}"))
+        assert told(good, wrong, options=["a-subject", "--write"])[0] == 1
+        text = page.read_text(encoding="utf-8")
+        assert text.startswith("# Verification\n\n## Impact\n\nkept\n\n## A subject\n") and text.endswith(later)
+        assert "### Part" not in text
     assert measurements.HEAD.search(text)["command"] == "python -m tests.verification a-subject --write"
     assert "| `good` | length | 2.001 m | 2 m | +0.05 % | 1 % | analytic: a book |" in text
     assert "| `wrong` | length | 2.001 m |" in text and "|  | length | 2.1 m | 2 m | +5 % FAILS |" in text

@@ -8,7 +8,6 @@ from contextlib import redirect_stderr, redirect_stdout
 from math import pi
 from pathlib import Path
 
-import h5py
 import numpy as np
 from scipy.io import wavfile
 
@@ -24,6 +23,8 @@ from residual.measured.diagnosis import Geometry, diagnose
 from residual.measured.signals import read_signal
 from residual.report import ReportOptions, summarise
 from residual.sources import read_table
+from tests.reference.kit import GRID
+from tests.reference.synthetic_run import make_run, write_table
 
 LONGEST_MESSAGE = 10_000  # characters: 21 lines
 MOST_POINTS = 200  # of a study that the whole command sees
@@ -139,17 +140,6 @@ def _refused(message: object) -> bool:
 
 # Sound inputs
 
-GRID = """[fixed]
-model = "lagrange"
-"numerics.duration_ms" = 1.0
-[parameters]
-"operation.speed_rpm" = [1500, 3000]
-"bearing.clearance_um" = { from = 0, to = 40, count = 3 }
-[keep]
-quantities = ["hub_mean_y", "error_rms_y"]
-signals = ["inner_ay"]
-signal_rate_kHz = 20.0
-"""
 DRAWN = """name = "drawn"
 [sampling]
 method = "sobol"
@@ -224,21 +214,7 @@ def _study_facts(place: Path, text: str) -> bytes:
 
 
 def _tables(place: Path) -> list[bytes]:
-    """A result's motion as tables, with its accelerations and contact forces and without."""
-    scene, path, made = place / "few.toml", place / "seed.nc", []
-    scene.write_text(FEW_ROLLERS)
-    if run_main([str(scene), "--model", "lagrange", "--duration", "0.4", "--output", str(path), "--quiet"]) != 0:
-        raise RuntimeError("the run that makes the first input failed")
-    with h5py.File(path) as file:
-        for delimiter, forces in ((",", True), ("\t", False)):
-            columns = {name: file[name][:] for name in ("time", "inner_x", "inner_y")}
-            parts = {"roller_x": "x", "roller_y": "y"}
-            parts |= {"inner_force": "inner_force", "outer_force": "outer_force"} if forces else {}
-            for name, ending in parts.items():
-                columns |= {f"roller_{j}_{ending}": column for j, column in enumerate(file[name][:].T)}
-            columns |= {name: file[name][:] for name in ("inner_ax", "inner_ay")} if forces else {}
-            text = io.StringIO()
-            np.savetxt(text, np.column_stack(list(columns.values())), "%.9g", delimiter,
-                       header=delimiter.join(columns), comments="")  # fmt: skip
-            made.append(text.getvalue().encode())
-    return made
+    """A motion as tables, with accelerations and contact forces and without."""
+    run = make_run(41, scene=parse_scene_text(FEW_ROLLERS, "few"))
+    forms = ((",", True), ("\t", False))
+    return [write_table(run, place / "table.csv", mark, whole).read_bytes() for mark, whole in forms]

@@ -41,7 +41,6 @@ from lagrange.columns import columns_of
 from lagrange.contact.laws import contact_laws
 from lagrange.files.hdf5 import CHECKSUM, SCENE_CHECKSUM, SIGNATURE
 from lagrange.kinematics import kinematics
-from lagrange.mounting import ENERGIES
 from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
 from lagrange.surface.faults import Spall, UnequalRoller, Waviness
 from meshes import Annulus, Disc
@@ -234,16 +233,15 @@ def budget_terms(found) -> list[dict[str, np.ndarray]]:
     return [direction.budget.terms for direction in found.directions]
 
 
-def energy_left(result) -> np.ndarray:
-    """What the energies and works of a run leave, J; constant where they balance."""
-    energies = result.energies
+def energy_left(energies: dict[str, np.ndarray]) -> np.ndarray:
+    """What the energies and works among a run's columns leave, J; constant where they balance."""
     left = sum(energies[name] for name in energies if name.startswith("energy_"))
     return left - energies["work_external"] + energies["work_dissipated"]
 
 
 def balance_of(result) -> float:
     """The same, its largest change over what is exchanged and dissipated."""
-    left, energies = energy_left(result), result.energies
+    left, energies = energy_left(result.energies), result.energies
     passed = np.ptp(energies["energy_kinetic"]) + energies["work_dissipated"][-1]
     return np.abs(left - left[0]).max() / passed
 
@@ -464,10 +462,8 @@ def moved(found, said=None):
 
 def missed(samples):
     """Largest energy error over the contacts' energy."""
-    energy = sum(samples[f"energy_{kind}"] for kind in ("kinetic", "elastic", "contact"))
-    energy = energy + sum(samples[name] for name in ENERGIES if name in samples)
-    energy = energy - samples["work_external"] + samples["work_dissipated"]
-    return np.abs(energy - energy[0]).max() / samples["energy_contact"].max()
+    left = energy_left(samples)
+    return np.abs(left - left[0]).max() / samples["energy_contact"].max()
 
 
 def defects(half):

@@ -77,13 +77,16 @@ def exact_errors(run):
     )
 
 
-def write_table(run, path):
-    """Write the run as CSV with the header that the checker asks for."""
-    n = run.roller_x.shape[1]
-    names = ["time", "inner_x", "inner_y"] + [f"roller_{j}_{axis}" for j in range(n) for axis in "xy"]
-    rollers = np.stack([run.roller_x, run.roller_y], axis=2).reshape(run.time.size, 2 * n)
-    table = np.column_stack([run.time, run.inner_x, run.inner_y, rollers])
-    np.savetxt(path, table, delimiter=",", header=",".join(names), comments="", fmt="%.17g")
+def write_table(run, path, delimiter=",", whole=False):
+    """Write the run as a table with the header that the checker asks for; `whole`: accelerations and forces too."""
+    hub = {"time": run.time, "inner_x": run.inner_x, "inner_y": run.inner_y}
+    of_rollers = {"x": run.roller_x, "y": run.roller_y}
+    if whole:
+        hub |= {"inner_ax": run.acceleration_x, "inner_ay": run.acceleration_y}
+        of_rollers |= dict.fromkeys(("inner_force", "outer_force"), run.law_force)
+    rollers = {f"roller_{j}_{name}": of_rollers[name][:, j] for j in range(run.angle.shape[1]) for name in of_rollers}
+    names, table = list(hub | rollers), np.column_stack(list((hub | rollers).values()))
+    np.savetxt(path, table, delimiter=delimiter, header=delimiter.join(names), comments="", fmt="%.17g")
     return path
 
 

@@ -30,6 +30,7 @@ from residual.laws import moment_resultant
 from residual.record import Record
 from residual.sources import read_result
 from tests.measurements import markdown_table
+from tests.reference.kit import energy_left
 from tests.stability import forked
 
 ENDINGS = COMPLETE, REFUSED, STOPPED, FAILED = "complete", "refused", "stopped", "FAILED"
@@ -223,7 +224,7 @@ def _imbalance(record: Record) -> float:
     e = record.energies
     stored = e["energy_elastic"] + e["energy_contact"]
     moved = e["energy_kinetic"] + sum(e[name] for name in ENERGIES if name in e)
-    left = stored + moved - e["work_external"] + e["work_dissipated"]
+    left = energy_left(e)
     exchanged = max(np.max(stored), np.max(np.abs(moved - moved[0])))
     if record.scene.model == "lagrange":  # what its own verdict goes by
         exchanged = np.max(stored) + np.ptp(moved) + e["work_dissipated"][-1]

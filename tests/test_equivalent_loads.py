@@ -312,7 +312,7 @@ def test_steps_of_a_duty_cycle_have_their_own_equivalent_loads(tmp_path, monkeyp
 
 
 @pytest.mark.parametrize(("settings", "words"), [
-    (("bearing.designation=NU206", "operation.radial_load_N=1000"), ["of L10: it falls with the fourth power", "µm"]),
+    (("bearing.designation=NU206", "operation.radial_load_N=1000"), ["times L10: it falls with the fourth power", "µm"]),
     (("bearing.designation='6208'", "bearing.clearance_um=60", "operation.radial_load_N=300"),
      ["fewer elements share the load", "a clearance of 60 µm; use L10r"]),
     (("bearing.designation='6208'", "bearing.clearance_um=-5", "operation.radial_load_N=3000"), []),

@@ -748,8 +748,8 @@ def _differing(case: Case, ratio: float) -> Iterator[str]:
         yield f"L10r is {ratio:.2g} times L10: more balls share the load than ISO 281 assumes{why}; use L10r"
     elif ratio > DIFFERING:
         yield (
-            f"L10r is {ratio:.2g} times L10: it falls with the fourth power of a line contact's load, L10 with the power "
-            f"10/3 and a reserve for uneven pressure{why}; use L10 beside catalogues, L10r to compare designs"
+            f"L10r is {ratio:.2g} times L10: it falls with the fourth power of a line contact's load, L10 with the "
+            f"power 10/3 and a reserve for uneven pressure{why}; use L10 beside catalogues, L10r to compare designs"
         )
 
 

@@ -7,14 +7,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fem.rating.answers import Case, positive
-from fem.study.figures import LOOK, finished
 from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import roller_angles
 from lagrange.rating.life import FRICTION, power_loss
 from lagrange.rating.reference_life import positions, rigid_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import Pitch
-from residual.figures import WIDTH, Drawing
+from residual.figures import LOOK, WIDTH, Drawing, finished
 from residual.formatting import BLUE, GREEN, GREY, ORANGE, RED
 
 FEW = 12  # cage angles in a pitch, where curves are means

@@ -3,9 +3,6 @@
 import textwrap
 from collections.abc import Iterator
 from itertools import product
-from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -13,7 +10,7 @@ from pandas import DataFrame
 
 from fem.study.folder import Column, Indices, Table
 from lagrange.scene.keys import name_in_words
-from residual.figures import STYLE, WIDTH, Drawing, save
+from residual.figures import LOOK, WIDTH, Drawing, finished
 from residual.formatting import BLUE, GREY, ORANGE
 
 CELL, TALL = 1.75, 1.9  # inches: a panel among many, one of a column
@@ -21,7 +18,6 @@ WIDE = 16.0  # largest over smallest value
 MOST = 6  # rows, or columns, of a figure
 MOST_TICKS = 4  # of a small axis
 CLOUD = 3000  # points drawn one by one, at most
-LOOK: dict[Any, Any] = {**STYLE, "figure.constrained_layout.use": True, "font.size": 9, "axes.labelsize": 9}
 
 
 def study_figures(table: Table, indices: list[tuple[Column, Indices]]) -> list[Drawing]:
@@ -176,12 +172,3 @@ def _sobol_bars(table: Table, indices: list[tuple[Column, Indices]]) -> Iterator
     axes[0, 0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     caption = "Share of a quantity's variance due to a parameter alone, and including its interactions (Saltelli 2010, "
     yield finished(figure, "sobol-indices", "Sobol indices", caption + "scipy.stats.sobol_indices).")
-
-
-def finished(figure, name: str, title: str, caption: str) -> Drawing:
-    """A figure as text that goes into a page, and closed."""
-    figure.draw_without_rendering()  # lays it out
-    with TemporaryDirectory() as folder:
-        found = save(Drawing(name, title, caption, figure), Path(folder))
-    plt.close(figure)
-    return found

@@ -8,6 +8,7 @@ import re
 import zlib
 from base64 import b64encode
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -45,6 +46,7 @@ STYLE: "dict[RcKeyType, Any]" = {
     "legend.frameon": False, "text.hinting": "none",  # at this resolution as legible, and quicker
     "svg.hashsalt": "residual", "svg.fonttype": "path", "path.simplify": True, "path.simplify_threshold": 0.3,
     "agg.path.chunksize": 20000, "axes.formatter.limits": (-4, 5), "axes.formatter.useoffset": False}  # fmt: skip
+LOOK: dict[Any, Any] = {**STYLE, "figure.constrained_layout.use": True, "font.size": 9, "axes.labelsize": 9}
 
 
 class Drawing(NamedTuple):
@@ -195,6 +197,18 @@ def save(drawing: Drawing, folder: Path) -> Drawing:
     if len(data) > max(LARGEST_SVG, len(pixels)):
         kind, data = "png", pixels
     return drawing._replace(figure=None, address=f"data:image/{kind};base64,{b64encode(data).decode('ascii')}")
+
+
+def finished(figure: Figure, name: str, title: str, caption: str) -> Drawing:
+    """A figure of pyplot in `LOOK` as text that goes into a page, and closed."""
+    from matplotlib import pyplot as plt
+
+    figure.draw_without_rendering()  # lays it out
+    figure.set_layout_engine("none")  # once
+    with TemporaryDirectory() as folder:
+        found = save(Drawing(name, title, caption, figure), Path(folder))
+    plt.close(figure)
+    return found
 
 
 def plain(label: str) -> str:

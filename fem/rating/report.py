@@ -44,7 +44,7 @@ def print_rating(rating: Rating) -> None:
     blocks = [(name.capitalize(), _lines(lines, width)) for name, lines in sheet(rating).items()]
     half = min(range(1, len(blocks)), key=lambda k: max(_height(blocks[:k]), _height(blocks[k:])))
     grid.add_row(_column(blocks[:half]), _column(blocks[half:]))
-    console.print(f"Rating of {shown(rating.name)}", style="italic", markup=False)
+    console.print(f"Rating of {shown(rating.name)}", style="italic", markup=False, soft_wrap=True)
     console.print(grid if wide else _column(blocks), "", sep="\n", soft_wrap=True)
     defaults = [f"defaults: {rating.scene.assumed}"] if rating.scene.assumed else []
     for line in (*defaults, SECOND_HAND, *_notes(rating)):
@@ -175,7 +175,7 @@ def print_comparison(name: str, ratings: Mapping[str, Rating]) -> None:
 
     console, table = Console(highlight=False), Table.grid(padding=(0, 2, 0, 0))
     console.width = console.width if console.is_terminal else 110
-    console.print(f"Rating of {shown(name)}", style="italic", markup=False)
+    console.print(f"Rating of {shown(name)}", style="italic", markup=False, soft_wrap=True)
     table.add_column(no_wrap=True)
     for _ in ratings:
         table.add_column(justify="right")

@@ -226,21 +226,6 @@ def test_no_dashpot_shortens_the_step():
         assert run.work_dissipated[-1] == pytest.approx(2000.0 * creep * 2e-4, rel=1e-2)
 
 
-def test_an_unbalance_drives_a_circle_on_bearing_and_shaft():
-    """F/(k − M ω²) below resonance, k of both by statics."""
-    bearing, operation = of_scene(*PRELOADED, "operation.radial_load_N=0", "operation.speed_rpm=40000",
-        "operation.inner_ring_and_shaft_kg=5", "operation.unbalance_g_mm=20", "operation.shaft=springs",
-        f"operation.shaft_stiffness_N_per_m={STIFFNESS}")  # fmt: skip
-    force, laws = 20e-6 * operation.speed**2, contact_laws("harris", bearing)
-    stiffness, inertia = kit.stiffness_without_load(bearing, operation, laws, force), 5.0 * operation.speed**2
-    assert stiffness > 1.2 * STIFFNESS and inertia / stiffness > 0.04
-    run = solved(Problem(bearing, operation, laws), 2 * 60.0 / 40000, 2e-5)
-    window = np.sin(np.pi * run.time / run.time[-1]) ** 2
-    place = (run.inner_x + 1j * run.inner_y) * window / window.sum()
-    ahead = np.sum(place * np.exp(-1j * operation.speed * run.time))
-    assert abs(ahead) == pytest.approx(force / (stiffness - inertia), rel=5e-3)
-
-
 @pytest.mark.parametrize("model", ["lagrange", pytest.param("reduced", marks=slow)])
 def test_the_housing_rings_down_at_its_frequency_and_damping(model):
     """√(k/m)/2π = 173.97 Hz and c/2√(km) = 8.0 % of 12.638 kg, bearing and all, as a load of 50 N comes on.

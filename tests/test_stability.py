@@ -94,19 +94,13 @@ FLYING = {  # nothing is stored until the hub meets a roller, 0.1 mm below; then
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("scene", "ending", "what"),
-    [
-        (UNSOUND, REFUSED, ""),
-        (FLYING, COMPLETE, ""),
-        # five rollers without a cage and without friction gather on one side, and the hub falls out
-        (random_scene(SEED, 364, duration_ms=4.0), STOPPED, "come apart at step"),
-        # seven soft rollers whose contacts are too wide for Hertz: pressure points carry no equilibrium
-        (random_scene(SEED, 305, duration_ms=5.0), REFUSED,
-         "half-width 0.513 mm, beyond Hertz's theory (at most 0.414 mm here)"),
-    ],
-    ids=["unsound", "hub in free flight", "comes apart", "wider than its points"],
-)  # fmt: skip
+@pytest.mark.parametrize(("scene", "ending", "what"), [
+    (UNSOUND, REFUSED, ""), (FLYING, COMPLETE, ""),
+    # five rollers without a cage and without friction gather on one side, and the hub falls out
+    (random_scene(SEED, 364, duration_ms=4.0), STOPPED, "come apart at step"),
+    # seven soft rollers whose contacts are too wide for Hertz: pressure points carry no equilibrium
+    (random_scene(SEED, 305, duration_ms=5.0), REFUSED, "half-width 0.513 mm, beyond Hertz's theory (at most 0.414 mm"),
+], ids=["unsound", "hub in free flight", "comes apart", "wider than its points"])  # fmt: skip
 def test_a_scene_ends_as_it_must(scene, ending, what, tmp_path):
     row = ended(scene, tmp_path)
     assert row.ending == ending and what in row.what, row.what
@@ -118,24 +112,17 @@ def raised(values):
 
 
 def moved(distance):
-    def change(values):
-        values[-1] *= 1.0 + distance / 0.023  # of the pitch radius
-
-    return change
+    return lambda values: values[-1:].__imul__(1.0 + distance / 0.023)  # of the pitch radius
 
 
-@pytest.mark.parametrize(
-    ("names", "change", "fault"),
-    [
-        (("energy_contact",), raised, "energy imbalance "),
-        (("roller_x", "roller_y"), moved(1e-3), "a roller is in the outer ring"),
-        (("roller_x", "roller_y"), moved(-1e-3), "a roller is in the inner ring"),
-        (("inner_y",), lambda values: values.__isub__(2e-3), "the hub has left the bearing"),
-        (("inner_x",), lambda values: values.fill(np.nan), "the checker refuses it: "),
-        (("roller_roller_force",), lambda values: values.fill(np.nan), "roller_roller_force is not finite"),
-    ],
-    ids=["energy", "outer ring", "inner ring", "hub", "not finite", "not finite nor checked"],
-)
+@pytest.mark.parametrize(("names", "change", "fault"), [
+    (("energy_contact",), raised, "energy imbalance "),
+    (("roller_x", "roller_y"), moved(1e-3), "a roller is in the outer ring"),
+    (("roller_x", "roller_y"), moved(-1e-3), "a roller is in the inner ring"),
+    (("inner_y",), lambda values: values.__isub__(2e-3), "the hub has left the bearing"),
+    (("inner_x",), lambda values: values.fill(np.nan), "the checker refuses it: "),
+    (("roller_roller_force",), lambda values: values.fill(np.nan), "roller_roller_force is not finite"),
+], ids=["energy", "outer ring", "inner ring", "hub", "not finite", "not finite nor checked"])  # fmt: skip
 def test_what_a_run_has_not_said_itself_is_found(names, change, fault, coarse_run, tmp_path):
     path = unchecked_copy(coarse_run, tmp_path / "run.nc")
     assert judged(path)[0] == []

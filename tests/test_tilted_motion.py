@@ -174,7 +174,8 @@ def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fi
         monkeypatch.setattr(module, name, lambda *given: pytest.fail("computed"))
     for slices, load in ((41, 4000.0), (201, 2000.0)):
         found = scene(model, {"slices": slices, "roller_profile": "logarithmic"}, operation__radial_load_N=load)
-        with pytest.raises(UsageError, match=rf"axial.slices = {slices} are .*use at most (40|5\d),"):
+        # by an equilibrium of fewer: one of as many as even forces allow does not settle
+        with pytest.raises(UsageError, match=rf"slices = {slices} are .*use at most (40|51), or axial.coupling = f"):
             make_plan(found)
 
 

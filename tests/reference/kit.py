@@ -35,7 +35,7 @@ from fem.solver.rigid.reduced import ReducedPlan
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Plan, RunState, Samples
 from fem.statics.exact_statics import HALF_WIDTH, ReducedBearing
-from lagrange import Bearing, ContactLaws, Material, Operation, static_equilibrium
+from lagrange import Bearing, Material, Operation
 from lagrange.bearing import BallBearing
 from lagrange.columns import columns_of
 from lagrange.contact.laws import contact_laws
@@ -180,13 +180,6 @@ def wavy():
         Waviness(body="roller", roller=1, order=4, amplitude=0.3e-6, phase=0.0),
         UnequalRoller(roller=3, diameter_deviation=1e-6),
     )
-
-
-def stiffness_without_load(bearing: Bearing, operation: Operation, laws: ContactLaws, push: float) -> float:
-    """Secant stiffness, N/m, of the hub between a push and a pull of so many N from the side, by statics alone."""
-    still = replace(operation, history=None, radial_load=0.0, side_load=0.0)
-    low, high = (static_equilibrium(bearing, replace(still, side_load=side), laws).x for side in (-push, push))
-    return 2.0 * push / (high - low)
 
 
 # ---- Runs from their start to their end, kept in memory, and gone on with; their forces and energies.

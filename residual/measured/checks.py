@@ -212,17 +212,20 @@ def check_record(path: Path, against: Path | None, question: Question, healthy: 
 
     InputError: a record, bearing or speed that can't be used; a scene that run-fem refuses or fails at.
     """
-    scene = against if against is not None and against.suffix.lower() == ".toml" else None
+    tolerance, scene = (
+        question.tolerance,
+        against if against is not None and against.suffix.lower() == ".toml" else None,
+    )
     if scene is not None and geometry_of(question) is None:
         question = replace(question, scene=scene)
     if healthy is not None:
-        other = _judged(healthy, question)
-        return Check(path, _judged(path, question, None, other.diagnosis), other)
-    record = _judged(path, question)
+        other = _judged(_read(healthy, question), tolerance)
+        return Check(path, _judged(_read(path, question), tolerance, None, other.diagnosis), other)
+    record = _judged(_read(path, question), tolerance)
     if against is None:
         return Check(path, record)
     if scene is None:
-        return Check(path, record, _judged(against, question, record))
+        return Check(path, record, _judged(_read(against, question, record), tolerance, record))
     shaft = record.diagnosis.shaft
     if abs(shaft / record.shaft - 1.0) <= 1.5 * SLIP:  # the record says no more than slip against the speed as given
         shaft = record.shaft
@@ -230,7 +233,7 @@ def check_record(path: Path, against: Path | None, question: Question, healthy: 
     with TemporaryDirectory(prefix="check-vibration-") as folder:
         run = Path(folder) / f"{scene.stem}.nc"
         given = _simulate(scene, simulated, run, record.signal.rate, duration, 60.0 * shaft)
-        other = _judged(run, question, record)
+        other = _judged(_read(run, question, record), tolerance, record)
     other = other._replace(signal=other.signal._replace(name=f"{scene.name}, simulated"))
     return Check(path, record, other, f"run-fem {scene} {' '.join(given)}", tuple(assumed(simulated)))
 
@@ -265,12 +268,9 @@ def _read(path, question, beside=None) -> tuple[Signal, Geometry, float]:
     return signal, asked, _shaft(question)
 
 
-def _judged(path, question, beside=None, healthy: Diagnosis | None = None):
-    return _judged_as(*_read(path, question, beside), question.tolerance, beside, healthy)
-
-
-def _judged_as(signal, geometry, shaft, tolerance, beside: Judged | None = None, healthy: Diagnosis | None = None):
+def _judged(read, tolerance, beside: Judged | None = None, healthy: Diagnosis | None = None):
     """A signal's verdict, levels, width and pulse, the pulse of the part that stands out in what it is `beside`."""
+    signal, geometry, shaft = read
     diagnosis = judging.diagnose(signal, geometry, shaft, tolerance, healthy)
     part = (diagnosis if beside is None else beside.diagnosis).findings[0].name
     spectrum = power_spectrum(signal.values, 1.0 / signal.rate, diagnosis.lines["FTF"])
@@ -455,7 +455,8 @@ def trend_of(paths: Sequence[Path], question: Question, healthy: Path | None = N
 
     InputError: fewer than three records can be used.
     """
-    tolerance, before = question.tolerance, None if healthy is None else _judged(healthy, question).diagnosis
+    tolerance = question.tolerance
+    before = None if healthy is None else _judged(_read(healthy, question), tolerance).diagnosis
     entries, waiting = list[Entry](), list[tuple[Signal, Geometry, float]]()
     for path in paths:
         name = path.name
@@ -466,7 +467,7 @@ def trend_of(paths: Sequence[Path], question: Question, healthy: Path | None = N
                 continue
             (first, geometry, shaft), signals = waiting[0], [each for each, *_ in waiting]
             name, waiting = first.name, []
-            of = _judged_as(_pooled(signals), geometry, shaft, tolerance, healthy=before)
+            of = _judged((_pooled(signals), geometry, shaft), tolerance, healthy=before)
         except InputError as error:
             entries.append(Entry(name, str(error)))
             continue

@@ -75,7 +75,7 @@ MARKED, UNMARKED = 1.5, 1.0  # mean of log(1 + power over background) of sideban
 # of envelopes and combs
 PADDING = 4  # bins of the transform for one of the record's resolution
 TURNS, FEWER_TURNS = 40, 10  # of the cage in a segment: slip smears lines of longer ones, drift those of 40
-HARMONICS, STEPS = 5, 4  # of a comb; of its search for one bin of the highest of them
+HARMONICS, STEPS = 5, 20  # of a comb; of its search for one bin: four for one of the fifth harmonic
 SIDEBAND, MASKED_SIDEBANDS = 0.5, 2  # a sideband's weight in a comb's score; taken out on either side
 MASK, SMEAR = MAIN_LOBE + 0.5, 0.006  # half of what is taken out around a line: of the resolution, and of its frequency
 MOST_MASKED = 0.5  # of a spectrum, beyond which nothing would be left to compare with
@@ -102,11 +102,6 @@ class EnvelopeSpectrum(NamedTuple):
     def clear(self, frequencies: np.ndarray) -> np.ndarray:
         """log(1 + power over background) at frequencies, Hz."""
         return np.log1p(self.ratio[self.at(frequencies)])
-
-    @property
-    def search_step(self) -> float:
-        """Between the frequencies of combs that are tried, Hz."""
-        return self.resolution / (STEPS * HARMONICS)
 
     def scores(self, frequency: np.ndarray, sides: np.ndarray | float) -> np.ndarray:
         """Of combs, (n,), Hz, with sidebands at a distance, Hz; 0: none.
@@ -214,7 +209,7 @@ def best_comb(spectrum: EnvelopeSpectrum, expected: float, tolerance: float, sid
 
     `sides` : float, Hz; spacing of sidebands, which scales with the frequency; 0: none
     """
-    count = max(1, ceil(tolerance * expected / spectrum.search_step))
+    count = max(1, ceil(tolerance * expected / spectrum.resolution * STEPS))
     frequency = expected * (1.0 + tolerance * np.arange(-count, count + 1) / count)
     score = spectrum.scores(frequency, sides / expected * frequency)
     best = int(np.argmax(score))
@@ -468,7 +463,8 @@ def _chance(spectrum, score, decoys, reach, sides):
     largest of many, and in a short record all of them are the same few.
     """
     low, high = (1.0 - reach) * decoys, (1.0 + reach) * decoys
-    frequency = np.arange(low.min(), high.max() + 2.0 * spectrum.search_step, spectrum.search_step)
+    step = spectrum.resolution / STEPS
+    frequency = np.arange(low.min(), high.max() + 2.0 * step, step)
     scores, first, last = spectrum.scores(frequency, sides), *np.searchsorted(frequency, (low, high))
     null = np.array([scores[a : b + 1].max() for a, b in zip(first, last, strict=True)])
     clear = float((score - null.mean()) / max(null.std(), 1e-9))

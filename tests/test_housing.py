@@ -271,7 +271,7 @@ MOUNTS = {"shaft": held(), "damped shaft": held(damping=DAMPING), "housing": mou
 def test_the_compiled_steps_make_the_references_motion(way, faults, mount):
     bearing = replace(PAPER, faults=faults)
     problem = Problem(bearing, MOUNTS[mount], contact_laws("harris", bearing), **HIT, **WAYS[way])
-    assert_right(problem, share=5e-3, finer=8.0)
+    assert_right(problem, share=5e-3, finer=4.0)
 
 
 BOTH_AXES = (0.1, 0.01)

@@ -6,6 +6,7 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
+from scipy.signal import peak_prominences, welch
 
 from fem.commands.run_fem import run_main
 from fem.runner import RunOptions, run_scene
@@ -17,7 +18,7 @@ from residual.evaluation import evaluate
 from residual.figures import save
 from residual.figures.run import passages
 from residual.sources import read_result
-from residual.spectrum import band_envelope, find_peaks, kinematic_lines, power_spectrum
+from residual.spectrum import averaged, band_envelope, find_peaks, kinematic_lines, maxima, power_spectrum, prominence
 from residual.vibration import line_levels, named_peaks, sidebands, watched_level
 from tests.reference.synthetic_run import harris_force, make_run, paper_lines, recorded, run_variables, write_result
 
@@ -55,6 +56,17 @@ def test_density_is_of_the_variance_in_a_band_and_of_white_noise():
     white = spectrum_of(1.3, noise=1.0)
     assert np.mean(white.psd[1:-1]) == pytest.approx(2.0 * STEP, rel=0.02)
     assert np.median(white.smooth_background) == pytest.approx(2.0 * STEP, rel=0.1)
+
+
+@pytest.mark.parametrize("count", [256, 777])
+def test_averaged_density_and_prominences_are_those_of_scipy(count):
+    record = tones(0.05, (500, 3.0), noise=1.0)
+    frequency, psd = welch(record, 1.0 / STEP, "hann", count, nfft=2 * count)
+    found = averaged([record], STEP, count, 2)
+    assert found.psd == pytest.approx(psd, rel=1e-9) and found.frequency == pytest.approx(frequency)
+    assert found.segments == 1 + (record.size - count) // (count - count // 2)
+    at = maxima(psd)
+    assert [prominence(psd, i) for i in at] == pytest.approx(peak_prominences(psd, at)[0], rel=1e-9)
 
 
 def test_paper_bearing_lines():

@@ -260,7 +260,7 @@ def test_lives_of_makers_worked_examples(row):
 
 @pytest.mark.parametrize("row", LISTED, ids=lambda row: f"{row[0]}, {row[-1]}")
 def test_equivalent_loads_by_factors_of_makers_tables(row):
-    """Factors as far as the tables print them; the makers' ratings and lives (C/P)^p of them."""
+    """Factors as far as the tables print them; the makers' ratings, of pairs by 2^0.7 and 2, and lives (C/P)^p."""
     name, scene, dynamic, static, radial, axial, load, at_rest, _ = row
     found = rated(scene, dynamic, static, radial, axial)
     assert (found["C_N"], found["C0_N"]) == (dynamic, static)
@@ -314,7 +314,7 @@ def test_steps_of_a_duty_cycle_have_their_own_equivalent_loads(tmp_path, monkeyp
 @pytest.mark.parametrize(("settings", "words"), [
     (("bearing.designation=NU206", "operation.radial_load_N=1000"), ["times L10: it falls with the fourth", "µm"]),
     (("bearing.designation='6208'", "bearing.clearance_um=60", "operation.radial_load_N=300"),
-     ["fewer elements share the load", "a clearance of 60 µm; use L10r"]),
+     ["times L10: elements share the load", "a clearance of 60 µm; use L10r"]),
     (("bearing.designation='6208'", "bearing.clearance_um=-5", "operation.radial_load_N=3000"), []),
 ])  # fmt: skip
 def test_why_reference_and_basic_lives_differ_is_one_sentence(settings, words):

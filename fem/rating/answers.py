@@ -735,22 +735,18 @@ def _answer(
 
 
 def _differing(case: Case, ratio: float) -> Iterator[str]:
-    """Why L10r and L10 differ, by more than DIFFERING times."""
+    """Why L10r and L10 differ, where they do by more than DIFFERING times, and which to use."""
     given, clearance = case.given, 2e6 * case.bearing.radial_clearance / case.bearing.cosine
     causes = [words for there, words in (
         (abs(clearance) >= 0.5, f"a {'clearance' if clearance > 0.0 else 'preload'} of {abs(clearance):.3g} µm"),
         (given.tilt, f"a tilt of {1e3 * given.tilt:.3g} mrad"), (given.moment, f"a moment of {given.moment} N m"),
         (given.axial_load, f"an axial load of {given.axial_load:.4g} N")) if there]  # fmt: skip
-    why = f", with {' and '.join(causes)}" if causes else ""
-    if ratio < 1.0 / DIFFERING:
-        yield f"L10r is {ratio:.2g} of L10: fewer elements share the load than ISO 281 assumes{why}; use L10r"
-    elif ratio > DIFFERING and case.balls:
-        yield f"L10r is {ratio:.2g} times L10: more balls share the load than ISO 281 assumes{why}; use L10r"
-    elif ratio > DIFFERING:
-        yield (
-            f"L10r is {ratio:.2g} times L10: it falls with the fourth power of a line contact's load, L10 with the "
-            f"power 10/3 and a reserve for uneven pressure{why}; use L10 beside catalogues, L10r to compare designs"
-        )
+    why, use = "elements share the load otherwise than ISO 281 assumes", "L10r"
+    if ratio > 1.0 and not case.balls:
+        why = "it falls with the fourth power of a line contact's load, L10, which has a reserve for uneven pressure, "
+        why, use = f"{why}with the power 10/3", "L10 beside catalogues, L10r to compare designs"
+    if not 1.0 / DIFFERING <= ratio <= DIFFERING:
+        yield f"L10r is {ratio:.2g} times L10: {why}{', with ' * bool(causes)}{' and '.join(causes)}; use {use}"
 
 
 def _warnings(case: Case, values: dict[str, Any]) -> Iterator[str]:

@@ -166,7 +166,7 @@ class Case:
         radial, axial = self.loads
         return float(equivalent.static_load(self.bearing, radial, axial, self.mirrored).max())
 
-    radial_mean = property(lambda self: positive(self.mean(self.loads[0]), "no load on the rollers"))
+    radial_mean = property(lambda self: positive(self.mean(self.loads[0]), "rollers carry none"))
     section_load = property(lambda self: self.radial_mean / load_factor(self.bearing))
     rpm = cached_property(lambda self: abs(self.relative_speed) / RPM if self.cycle is None else self.cycle.speed)
 
@@ -186,7 +186,7 @@ class Case:
         return life.contamination_factor(self.kappa, self.basic.pitch) if given is None else given
 
     def a_iso(self, load: float) -> float:
-        ratio = self.contamination * self.basic.fatigue / positive(load, "no load on the rollers")
+        ratio = self.contamination * self.basic.fatigue / positive(load, "a_ISO has no meaning")
         return life.life_modification(self.kappa, ratio, self.balls)
 
     modified_life = property(lambda self: self.a_iso(self.load) * self.basic_life)  # 90 % reach it
@@ -206,7 +206,8 @@ class Case:
 
     @property
     def required(self) -> float:  # C for the wanted life, N
-        return life.required_capacity(positive(self.load, "none is needed"), self.wanted / self.a1, self.exponent)
+        turns = self.wanted / self.a1
+        return life.required_capacity(positive(self.load, "none is needed"), turns, self.exponent)
 
     def flange_limit(self) -> float:  # N
         if self.given.flange_height is None:
@@ -569,7 +570,8 @@ BLOCKS: dict[str, tuple[Row, ...]] = {
          lambda c: {name: float(value) for name, value in _only(c.factors)._asdict().items()}),
         ("reference_load_N", "N", "load with L10r's life", s.REFERENCE, lambda c: c.reference_load),
         ("P0_N", "N", "equivalent static load P0", s.STATIC_LOAD, lambda c: c.largest_load),
-        ("s0", "1", "static safety C0/P0", s.STATIC, lambda c: c.basic.static / positive(c.largest_load, "infinite")),
+        ("s0", "1", "static safety C0/P0", s.STATIC,
+         lambda c: c.basic.static / positive(c.largest_load, "it is infinite")),
         ("minimum_load_N", "N", "minimum radial load", s.LEAST_LOAD,
          lambda c: equivalent.least_load(c.basic.dynamic, c.balls)),
         ("permitted_axial_load_N", "N", "permitted axial load", s.FLANGES, lambda c: c.flange_limit()),

@@ -96,7 +96,7 @@ def _rows(case: Case) -> Drawing:  # under axial load: loads around the load, an
 
 def _load_zone(case: Case) -> Drawing:  # roller loads and pressures around the load
     row, inner = case.row, contact_pairs(case.bearing)[0]
-    load = positive(case.static_load, "no load, no load zone")
+    load = positive(case.static_load, "there is no load zone")
     turned = 2.0 * np.pi / row.rollers * np.arange(FEW) / FEW
     rigid = np.concatenate([case.rigid_at(at, load=load).of_rollers for at in turned])
     angles = np.add.outer(turned, 2.0 * np.pi * np.arange(row.rollers) / row.rollers) - 0.5 * np.pi

@@ -17,9 +17,9 @@ from fem.commands.run_study import study_main
 from fem.interface import rating, simulate
 from fem.pictures.recover import StoredRun
 from fem.rating import figures
-from fem.rating.answers import BLOCKS, DECLARED, Answer, Case, Options
+from fem.rating.answers import BLOCKS, BULKY, DECLARED, Answer, Case, Options
 from fem.rating.equilibria import elastic_pitch
-from fem.rating.report import write_page
+from fem.rating.report import LABEL, write_page
 from fem.rating.ross import NAMES, coefficients, read_coefficients, write_coefficients
 from fem.rating.sheet import in_words
 from fem.statics.contact_balance import HubSpring, Loads, balance, closed_forces, first_guess, hub_stiffness
@@ -471,6 +471,7 @@ def test_the_sheet_fits_a_screen_and_holds_what_was_asked_for(here, capsys, monk
     assert "not computed: film / roughness λ: no film: the scene has no [lubricant]" in plain
     assert not any(words in plain for words in ("viscosity in operation", "tilt", "frictional torque", "[support]"))
     assert told["reasons"]["power_loss_W"].startswith("no viscosity")
+    assert [meaning for _, name, _, meaning, *_ in DECLARED if name not in BULKY and len(meaning) >= LABEL] == []
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setenv("COLUMNS", "100")
     assert rate_main([*asked, *sets("lubricant.viscosity_Pa_s=0.0174")]) == 0

@@ -476,6 +476,9 @@ def test_the_sheet_fits_a_screen_and_holds_what_was_asked_for(here, capsys, monk
     monkeypatch.setenv("COLUMNS", "100")
     assert rate_main([*asked, *sets("lubricant.viscosity_Pa_s=0.0174")]) == 0
     wide = re.sub(r"\x1b\[[0-9;]*m", "", capsys.readouterr().out).splitlines()
+    assert rate_main(["--bearing", "NJ206", *sets("operation.axial_load_N=500")]) == 0
+    shown = capsys.readouterr().out
+    assert "…" not in shown and re.search(r"^.{48,52}  N/µm, N/mrad, N m/mrad *$", shown, re.M)
     assert len(wide) <= 42 and max(len(line) for line in wide[:-5]) <= 100
     assert re.search(r"^Bearing +Stresses", "\n".join(wide), re.M) and any("SKF" in line for line in wide)
 

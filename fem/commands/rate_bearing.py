@@ -11,7 +11,6 @@ from lagrange.errors import UsageError
 
 CYCLE = {"loads": "load_N", "speeds": "speed_rpm", "shares": "share", "axial_loads": "axial_load_N"}  # columns
 LONGEST = 10_000_000  # bytes of a duty cycle
-
 MOST = 4  # bearings side by side
 PATIENCE = 2.0  # s without progress
 
@@ -110,7 +109,7 @@ def _rate(
             reason = str(error).replace('decimal = ","', "--decimal ,")  # tables of scenes have it as a key
             raise UsageError(f"--cycle {cycle}: {reason}") from None
     from fem.rating import report
-    from fem.rating.answers import DECLARED, Options, rating
+    from fem.rating.answers import DECLARED, Case, Options, Rating
 
     folder = Path() if output is None else output
     folder.mkdir(parents=True, exist_ok=True)
@@ -124,7 +123,7 @@ def _rate(
     if output is not None:
         written.append(folder / ("comparison.html" if several else "rating.html"))
     with count_display("answers", len(chosen) * len(DECLARED), quiet, PATIENCE) as count:
-        ratings = {each: rating(of, options._replace(name=each), count)
+        ratings = {each: Rating(Case(of, options._replace(name=each)), count=count)
                    for each, of in zip(bearings if several else [name], chosen, strict=True)}  # fmt: skip
         rated, *_ = ratings.values()
         if ross is not None:

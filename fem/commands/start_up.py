@@ -125,7 +125,6 @@ def _display(total, quiet, after=0.0):
         columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
         display = Progress(*columns, console=Console(stderr=True), transient=True)
         task, begin = display.add_task("", total=total), Timer(after, display.start)
-        begin.daemon = True
         begin.start()
         try:
             yield lambda done, words: display.update(task, completed=done, description=words)

@@ -707,10 +707,9 @@ def _plain(value: Any) -> Any:  # for JSON: arrays as lists, what is infinite or
     return value
 
 
-def rating(scene: Scene, options: Options | None = None, count: Callable[[], None] = lambda: None) -> Rating:
-    """All answers to a scene, as rating(Scene(bearing={"designation": "NU206"}))["C_N"].
-    `count` : called after each"""
-    return Rating(Case(scene, options or Options()), count=count)
+def rating(scene: Scene, options: Options | None = None) -> Rating:
+    """All answers to a scene, as rating(Scene(bearing={"designation": "NU206"}))["C_N"]."""
+    return Rating(Case(scene, options or Options()))
 
 
 def values_of(scene: Scene, names: Collection[str]) -> dict[str, float]:

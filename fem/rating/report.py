@@ -7,7 +7,7 @@ from datetime import date
 from itertools import groupby, zip_longest
 from pathlib import Path
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +16,6 @@ from fem.rating.sheet import MIXED, Line, in_words, missing, number, ratings_in_
 from lagrange.files.output import load_matplotlib, render_page, write_whole
 from lagrange.messages import Section, engineering, shown
 from lagrange.version import VERSION
-
-if TYPE_CHECKING:
-    from rich.text import Text
 
 FIGURE_SPACE = "\u2007"  # as wide as a digit
 LABEL, WIDTH, WIDE = 28, 78, 100  # characters: of a label, of a block, of a terminal that has two beside each other
@@ -42,8 +39,7 @@ def print_rating(rating: Rating) -> None:
     wide = console.is_terminal and console.width >= WIDE
     width = min(WIDTH, (console.width - 3) // 2 if wide else console.width)
     blocks = [(name.capitalize(), _lines(lines, width)) for name, lines in sheet(rating).items()]
-    half = min(range(1, len(blocks)), key=lambda k: max(_height(blocks[:k]), _height(blocks[k:])))
-    grid.add_row(_column(blocks[:half]), _column(blocks[half:]))
+    grid.add_row(_column(blocks[:3]), _column(blocks[3:]))
     console.print(f"Rating of {shown(rating.name)}", style="italic", markup=False, soft_wrap=True)
     console.print(grid if wide else _column(blocks), "", sep="\n", soft_wrap=True)
     defaults = [f"defaults: {rating.scene.assumed}"] if rating.scene.assumed else []
@@ -57,7 +53,7 @@ def _lines(lines: list[Line], width: int) -> list[str]:  # of a block
         labels, values = wrap(line.meaning, LABEL - 1), line.value.split("\n")
         values[-1] += "†" if line.source.second_hand else ""
         if values[0] == MIXED[1] and max(map(len, values)) > right:  # a large matrix below its label
-            found += [f"{labels[0]:{LABEL}}{values[0]}", *(f"  {row}" for row in values[1:])]
+            found += [*labels, *(f"  {row}" for row in values)]
         else:
             values = [part for value in values for part in wrap(shown(value), right)]
             both = zip_longest(labels, values, fillvalue="")
@@ -65,14 +61,10 @@ def _lines(lines: list[Line], width: int) -> list[str]:  # of a block
     return found
 
 
-def _height(blocks: list[tuple[str, list[str]]]) -> int:
-    return sum(len(lines) + 2 for _, lines in blocks)
-
-
-def _column(blocks: list[tuple[str, list[str]]]) -> "Text":
+def _column(blocks: list[tuple[str, list[str]]]) -> Any:  # a text of rich
     from rich.text import Text
 
-    text = Text(no_wrap=True)
+    text = Text()
     for name, lines in blocks:
         text.append(f"{name}\n", "bold").append("\n".join([*lines, "", ""]))
     text.rstrip()

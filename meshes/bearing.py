@@ -45,10 +45,10 @@ def graded_shapes(bearing: Bearing, mesh_size: float) -> BearingShapes:
     )  # fmt: skip
 
 
-def _sectors(raceway: float, mesh_size: float) -> int:
+def _sectors(raceway, mesh_size):
     return SECTOR_MULTIPLE * max(4, round(2.0 * pi * raceway / (SECTOR_MULTIPLE * mesh_size)))
 
 
-def _ring(inner: float, outer: float, raceway: float, mesh_size: float) -> Annulus:
+def _ring(inner, outer, raceway, mesh_size):
     layers = max(2, round((outer - inner) / mesh_size))
     return Annulus(inner_radius=inner, outer_radius=outer, sectors=_sectors(raceway, mesh_size), layers=layers)

@@ -56,7 +56,7 @@ def write(path: Path, mesh: Mesh) -> None:
     write_sealed(path, file.getvalue())
 
 
-def _read(path: Path, shape: Shape) -> Mesh | None:
+def _read(path, shape):
     try:
         data = read_sealed(path)
         if data is None:

@@ -144,7 +144,7 @@ def _circle(model, centre, row, parts):
     return arcs, points
 
 
-def _draw_disc(model, disc: Disc | GradedDisc) -> None:
+def _draw_disc(model, disc):
     """Concentric circles of nodes; the annuli between them are triangulated without further nodes."""
     centre = model.geo.addPoint(0.0, 0.0, 0.0)
     rows = [row for row in disc.rows if row.nodes > 1]
@@ -167,7 +167,7 @@ def _draw_disc(model, disc: Disc | GradedDisc) -> None:
     model.geo.synchronize()
 
 
-def _draw_annulus(model, ring: Annulus | GradedAnnulus) -> None:
+def _draw_annulus(model, ring):
     """Four quadrants of one layer of quads between each row of nodes and the next."""
     centre = model.geo.addPoint(0.0, 0.0, 0.0)
     circles = [_circle(model, centre, Row(radius, ring.sectors), 4) for radius in ring.radii]

@@ -194,7 +194,7 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
     moments = [sliced(record, laws.inner).pushes(contacts.inner).moment]
     moments += [sliced(record, laws.outer, outer=True).pushes(contacts.outer).moment]
 
-    def rate(values, times: int = 1) -> np.ndarray:
+    def rate(values, times=1):
         return derivative(values, record.interval, times, order)
 
     columns = {name: np.asarray(values) for name, values in record.tilts._asdict().items() if not name.endswith("rate")}

@@ -85,7 +85,7 @@ def _command(
             raise InputError(f"no *.nc in {RUNS.resolve()}; run run-fem first, or name a result file")
         run = newest[-1]
 
-    def read(path: Path):
+    def read(path):
         """A result file, or a table by its scene; and the names of the laws of its bearing."""
         given = None if scene is None else read_scene(scene)
         if not path.is_file() or sources.is_result(path):

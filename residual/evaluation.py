@@ -177,7 +177,7 @@ def evaluate(
     interval, (first, why) = record.interval, first_sample(record, start)
     notes = [*record.notes, None if name in ("", *FITTED) else warning(name, record.bearing), *why]
 
-    def rates(places, times: int = 2):
+    def rates(places, times=2):
         return derivative(places.T, interval, times, order)[first:].T
 
     ring = record.along("outer_ring_")
@@ -210,7 +210,7 @@ def evaluate(
     noise = NOISE * max(used.load, budget.law_force.max())
     central = slice(max(0, order // 2 - first), used.time.size - order // 2)  # where stencils are
 
-    def direction(i: int, normal: np.ndarray, body: str, acceleration) -> Direction:
+    def direction(i, normal, body, acceleration):
         part, motion = (budget.x, budget.y)[i], (used.inner_x, used.inner_y)[i]
         # of rollers without mass; those about the load line hold the ring along it better than across it
         stiffness = 0.5 * np.mean(np.sum(slope * normal**2, axis=1)) + (0.0 if shaft is None else shaft.stiffness)

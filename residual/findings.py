@@ -15,7 +15,6 @@ from lagrange.surface.faults import Fault, MeasuredSurface, Spall, UnequalRoller
 from residual.evaluation import LOADED, SOUND, Evaluation
 from residual.fault_finding import MAP_STANDS_OUT, FaultSearch, Place, SinkageMap
 from residual.formatting import hertz, share, text
-from residual.laws import Interval
 from residual.record import Record, varies
 from residual.sampling import WITHIN
 from residual.spectrum import Peak, rms
@@ -308,7 +307,7 @@ def fit_sentences(e: Evaluation) -> list[str]:
     if found is None:
         return []
 
-    def interval(number: Interval, scale: float = 1.0) -> str:
+    def interval(number, scale=1.0):
         value, *ends = cells(scale * number.value, *sorted((scale * number.low, scale * number.high)), digits=5)
         return f"{value} [{', '.join(ends)}]"
 

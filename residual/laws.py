@@ -239,7 +239,7 @@ def fit_law(approach, force, bridge: int, closing_speed=None, samples: int | Non
     reach = stdtrit(n_passages - fitted, 0.5 + 0.5 * CONFIDENCE)
     covariance = reach**2 * n_passages / (n_passages - 1) * bread @ (score.T @ score) @ bread
 
-    def interval(*weights: float) -> np.ndarray:
+    def interval(*weights):
         """A sum of the parameters so weighted, and its interval's ends."""
         row = np.append(weights, np.zeros(fitted - len(weights)))
         return row @ best + np.array([0.0, -1.0, 1.0]) * np.sqrt(row @ covariance @ row)

@@ -34,7 +34,7 @@ from residual.store import Page, write_folder
 from residual.vibration import FaultLine, LineLevel, Vibration
 
 if TYPE_CHECKING:
-    from residual.figures import Drawing
+    pass
 
 PROGRAM = "check-residual"
 TEMPLATES = Path(__file__).parent / "templates"
@@ -66,12 +66,12 @@ def write_report(e: Evaluation, folder: str | Path, options: ReportOptions = WHO
     """Write the report folder and return the summary; errors as of `write_folder`."""
     t = e.record
 
-    def draw(fresh: Path) -> "dict[str, list[Drawing]]":
+    def draw(fresh):
         from residual.figures.run import draw_figures
 
         return draw_figures(e, fresh, options.other, options.search, options.equations)
 
-    def more(fresh: Path) -> None:
+    def more(fresh):
         _write_arrays(e, fresh / "residual.nc")
         if options.signals:  # SI, by the names of the result file and of residual.nc; `name_<j>` for those of roller j
             names = "time inner_x inner_y inner_ax inner_ay error_x error_y".split()
@@ -99,7 +99,7 @@ def print_summary(e: Evaluation, folder: Path, options: ReportOptions, compare_l
 
     other, console = options.other, Console(highlight=False)
 
-    def say(*sentences: str) -> None:
+    def say(*sentences):
         for sentence in filter(None, sentences):
             console.print(sentence, soft_wrap=True, markup=False)
 

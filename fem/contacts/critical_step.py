@@ -11,11 +11,11 @@ from scipy import sparse
 
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.model import EVENLY, HEAVY, Model
-from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.bodies import DiscBody
 from fem.elastic.cache import kept
 from fem.elastic.outer_support import BoredRing, LooseRing
 from fem.elastic.reciprocal_mass import LUMPED, ReciprocalMass
-from lagrange.mounting import HELD, Housing, Mounting
+from lagrange.mounting import HELD, Mounting
 
 # times that a bore's springs count: a node then swings on its own by at most 0.29 rad in a step. Nodes meet and leave
 # the bore all the time, and in larger steps what each meeting misses of the energy is more than the next kicks repay
@@ -65,9 +65,7 @@ def next_rung(force: float) -> float:
     return 2.0 ** (ceil(RUNGS * log2(max(force, 1.0))) / RUNGS)
 
 
-def _found(
-    model: Model, force: float, housing: Housing | None, of_mount: float, mass: ReciprocalMass, sticks: bool
-) -> float:
+def _found(model, force, housing, of_mount, mass, sticks):
     springs, ring = model.springs(force, sticks), model.outer_ring
     if isinstance(ring, BoredRing):
         springs["outer_ring"] = sparse.hstack([springs["outer_ring"], ring.springs(FINELY)])
@@ -96,7 +94,7 @@ def _found(
     return min(steps)
 
 
-def _waves(body: DiscBody | RingBody, springs: sparse.csc_matrix) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
+def _waves(body, springs):
     """A, of a body, and what S is the square of, both scaled by 1/√mass on either side.
 
     Of a held ring; held at points, of a free one, which is not less.
@@ -111,9 +109,7 @@ def _waves(body: DiscBody | RingBody, springs: sparse.csc_matrix) -> tuple[spars
     return (scale @ stiffness @ scale).tocsr(), (scale @ held).tocsr()
 
 
-def _longest_step(
-    waves: sparse.csr_matrix, springs: sparse.csr_matrix, further: float, mass: ReciprocalMass, at_most: float = inf
-) -> float:
+def _longest_step(waves, springs, further, mass, at_most=inf):
     """Largest stable step, s, of waves A and springs S = `springs`·`springs`ᵀ, with `further` added to any ω².
 
     No longer than `at_most`. 0 if `mass` does not make it as long as is worth it, nor that long. All shorter steps must
@@ -125,13 +121,13 @@ def _longest_step(
     # seeded, so that the same scene gets the same step
     how = {"k": 1, "v0": np.random.default_rng(0).standard_normal(waves.shape[0]), "return_eigenvectors": False}
 
-    def operator(apply) -> LinearOperator:
+    def operator(apply):
         return LinearOperator(waves.shape, matvec=lambda u: apply(u.ravel()), dtype=float)
 
-    def largest(apply) -> float:
+    def largest(apply):
         return float(eigsh(operator(apply), which="LA", tol=LANCZOS_TOLERANCE, **how)[0]) * (1.0 + LANCZOS_TOLERANCE)
 
-    def excess(dt: float) -> float:
+    def excess(dt):
         """By how much dt² ω² of q(dt² A)(A + S) is above 4, nearly."""
         slowing = mass.at(dt)
 

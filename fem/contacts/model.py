@@ -112,7 +112,7 @@ def unloaded(model, motion: Motion, gravity: float) -> Unloaded:
     return Unloaded(inner_growth=growth, outer_sag=sag, roller_growth=roller)
 
 
-def _spun(ring: RingBody, speed: float) -> np.ndarray:
+def _spun(ring, speed):
     """Growth of a ring that turns at a speed, rad/s, (n_rows, 2, n_sectors), m."""
     load, found = ring.body_load(0.0, 0.0, speed), np.zeros((ring.n_rows, 2, ring.n_sectors))
     for _ in range(1 + GROWN_PASSES):
@@ -204,7 +204,7 @@ class Model:
             mine = np.flatnonzero(contact == c)
             compliance[np.ix_(mine, mine)] = self.beside(c // n, on_ring[mine], on_roller[mine])
 
-        def load(mine: np.ndarray, body, angle: np.ndarray, size: np.ndarray, field: np.ndarray) -> None:
+        def load(mine, body, angle, size, field):
             nodes, pushed = push(body, angle[mine], size, self.shares)
             places = body.surface_places(nodes)
             compliance[np.ix_(mine, mine)] += pushed.T @ body.surface_influence(nodes) @ pushed
@@ -231,7 +231,7 @@ class Model:
         """
         half = POINTS_PER_NODE * CLOSED_NODES // 2
 
-        def on(body: DiscBody | RingBody, kind: int, angle: float = 0.0) -> sparse.csc_matrix:
+        def on(body, kind, angle=0.0):
             """A contact's, at an angle of a body."""
             law = self.laws[kind]
             nodes, pushed = push(body, angle + law.places(half) / body.section.loaded, 1.0, self.shares)
@@ -304,7 +304,7 @@ class Model:
         return self.bearing.n_rollers * of_a_roller + 2 * rings + 2
 
     @property
-    def _elastic_rings(self) -> list[RingBody]:
+    def _elastic_rings(self):
         return [ring for ring in (self.inner_ring, self.outer_ring) if not ring.material.rigid]
 
 

@@ -53,7 +53,7 @@ def patch_traction(body: DiscBody | RingBody, angle: float) -> np.ndarray:
     return _on_surface(body, nodes, weight * scale * np.stack([slope * c - s, 1.0 + c + slope * s]), angle - offset)
 
 
-def _on_surface(body: DiscBody | RingBody, nodes: np.ndarray, polar: np.ndarray, at: np.ndarray) -> np.ndarray:
+def _on_surface(body, nodes, polar, at):
     """Forces of surface nodes at some angles, (2, m), radial and counter-clockwise, among those of all nodes."""
     if isinstance(body, RingBody):
         force = np.zeros((body.n_rows, 2, body.n_sectors))
@@ -64,7 +64,7 @@ def _on_surface(body: DiscBody | RingBody, nodes: np.ndarray, polar: np.ndarray,
     return force
 
 
-def _shares(angle: np.ndarray, n_nodes: int, first: int, weigh: Callable) -> tuple[np.ndarray, np.ndarray]:
+def _shares(angle, n_nodes, first, weigh):
     """Nodes around points at angles, (m,), and each node's share of each point, (m, n_angles)."""
     position = angle * n_nodes / (2.0 * pi)
     base = np.floor(position)

@@ -141,7 +141,7 @@ class SpreadModel(ResolvedModel):
         return 0.5 * float(np.hypot(2.0 * spacing, np.sqrt(3.0) * half_width))  # (2h)²/12 and b²/4
 
 
-def _missing_compliance(body: DiscBody | RingBody, thickness: float, apart: np.ndarray) -> np.ndarray:
+def _missing_compliance(body, thickness, apart):
     """G of one body at distances `apart`, m/N."""
     unit, cell = line_compliance(body.material, thickness), apart[1]
     section = body.section.squeezed if isinstance(body, DiscBody) else body.section
@@ -158,7 +158,7 @@ def _missing_compliance(body: DiscBody | RingBody, thickness: float, apart: np.n
     return constant - unit * logarithm - _answer(body, apart)
 
 
-def _answer(body: DiscBody | RingBody, apart: np.ndarray) -> np.ndarray:
+def _answer(body, apart):
     """Mean motion of a patch at distances from a unit force, of a disc one of two opposite ones, m/N; over places."""
     disc, n = isinstance(body, DiscBody), body.n_surface
     first = np.unique(np.arange(PLACES) * (n // body.shape.repeats) // PLACES) if disc else np.zeros(1)

@@ -17,7 +17,6 @@ its mean over positions alone.
 Equation (3) of docs/method.md.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import log, pi
 from typing import ClassVar
@@ -116,10 +115,10 @@ class SubgridModel(Model):
     def stiffnesses(self, force: float, sticks: bool) -> np.ndarray:
         return np.maximum(self._normal(force), self._tangential(force) if sticks else 0.0)
 
-    def _normal(self, force: float) -> np.ndarray:
+    def _normal(self, force):
         return np.array([law.stiffness(force) for law in self.laws])
 
-    def _tangential(self, force: float) -> np.ndarray:
+    def _tangential(self, force):
         found = zip(self.laws, self.shear_levels, strict=True)
         return np.array([
             1.0 / (law.A * max(level - 0.5 * log(min(force, law.Q_line)), STEEPEST)) for law, level in found
@@ -166,7 +165,7 @@ def surface_compliance(body: DiscBody | RingBody, thickness: float, half_width: 
         respond, section, period = body.held, body.section, 1
     angles = np.arange(period * KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / body.n_surface)
 
-    def approaches(load: Callable, angles: np.ndarray, opposite: bool = False) -> np.ndarray:
+    def approaches(load, angles, opposite=False):
         """Of the mesh's surface at unit loads, (n_angles,), m/N, each alone, or with one on the other side."""
         found = []
         for some in np.array_split(angles, 1 + angles.size // 512):
@@ -175,7 +174,7 @@ def surface_compliance(body: DiscBody | RingBody, thickness: float, half_width: 
             found.append(np.sum(near * respond(near + far), axis=tuple(range(near.ndim - 1))))
         return np.concatenate(found)
 
-    def make() -> dict[str, np.ndarray]:
+    def make():
         places = angles[:: KNOTS_PER_NODE // PLACES_PER_NODE] if period > 1 else angles
         pulled = float(approaches(patch_traction, places).mean())
         sticking = stick_approach(body.section, half_width) / thickness - pulled
@@ -194,7 +193,7 @@ def rigid_surface(half_width: float) -> SurfaceCompliance:
     return _missing(0.0, np.zeros(KNOTS_PER_NODE), 0.0, half_width, 0.0)
 
 
-def _missing(exact: float, found: np.ndarray, sticking: float, half_width: float, unit: float) -> SurfaceCompliance:
+def _missing(exact, found, sticking, half_width, unit):
     rise = found.mean() - found
     wave = 2.0 * np.pi * np.fft.rfftfreq(rise.size)  # coefficients of the spline through the samples
     ripple = np.fft.irfft(np.fft.rfft(rise) * 3.0 / (2.0 + np.cos(wave)), n=rise.size)

@@ -37,7 +37,7 @@ def tilted_tables(
     sound = replace(bearing, faults=()).full
     force, slope = rounded_range(largest_force, largest_slope)
 
-    def make() -> dict[str, np.ndarray]:
+    def make():
         tables = contact_tables(sound, axial, *_slices(bearing, axial, laws, meshed, (force, slope)))
         sides = list(zip(SIDES, tables, strict=True))
         return {f"{side} {name}": np.asarray(getattr(table, name)) for side, table in sides for name in TABLE}
@@ -48,7 +48,7 @@ def tilted_tables(
     tables = [ContactTable(**{name: value if value.ndim else float(value) for name, value in one.items()})
               for one in found]  # fmt: skip
 
-    def make_rest() -> dict[str, np.ndarray]:
+    def make_rest():
         slices = zip(SIDES, tilted_slices(bearing, axial, laws, meshed), tables, strict=True)
         return {side: without_part(own, table).coefficients for side, own, table in slices if own.part is not None}
 
@@ -98,7 +98,7 @@ def tilted_slices(
     return contact_slices(bearing, axial, *_slices(bearing, axial, laws, meshed))
 
 
-def _slices(bearing: Bearing, axial: Axial, laws, meshed: tuple[float, float], within: tuple = ()) -> tuple:
+def _slices(bearing, axial, laws, meshed, within=()):
     """Laws of slices, what a table is made for, and coupling compliances less those of meshes, which know a contact's
     force as a whole."""
     coupled = tuple(all_of - mesh for all_of, mesh in zip(couplings(bearing, axial), meshed, strict=True))
@@ -146,7 +146,7 @@ def couplings(bearing: Bearing, axial: Axial) -> tuple[np.ndarray, np.ndarray]:
     if not axial.coupling:
         return squeezed, squeezed
 
-    def make() -> dict[str, np.ndarray]:
+    def make():
         roller = slice_compliance(roller_section(bearing).squeezed, length, length, n)
         inner, outer = (slice_compliance(ring, length, axial.ring_width, n) for ring in ring_sections(bearing))
         return {"inner": roller + inner, "outer": roller + outer}

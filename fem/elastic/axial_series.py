@@ -106,7 +106,7 @@ def harmonic_compliance(body: Section, n: np.ndarray, k: float) -> np.ndarray:
     return -body.convexity * displacement / body.material.lame_mu
 
 
-def _fields(n: np.ndarray, k: float, r: float, nu: float, functions, decay: bool) -> np.ndarray:
+def _fields(n, k, r, nu, functions, decay):
     """(n_n, 6, 3): U, V, W and the amplitudes of σ_rr, σ_rθ, σ_rz over μ, of three solutions.
 
     `functions` : f_n, f_{n+1}, f_{n−1}, with f' = k f_{n+1} + (n/r) f for both kinds
@@ -131,20 +131,20 @@ def _fields(n: np.ndarray, k: float, r: float, nu: float, functions, decay: bool
     return np.stack(columns, axis=2)
 
 
-def _functions(n: np.ndarray, k: float, r: float, decay: bool):
+def _functions(n, k, r, decay):
     """f_n = 1 and its neighbours at r: (f_n, f_{n+1}, f_{n−1}), as `_fields` takes them."""
     ratio, sign = _ratios(int(n.max()) + 1, k * r, decay), -1.0 if decay else 1.0  # f_{j+1}/f_j without signs
     up, down = ratio[n], 1.0 / ratio[np.maximum(n, 1) - 1]
     return np.ones(n.shape), sign * up, sign * np.where(n == 0, up, down)
 
 
-def _scaled(n: np.ndarray, k: float, r: float, other: float, decay: bool):
+def _scaled(n, k, r, other, decay):
     """The same over f_n at the other radius."""
     size = np.exp(_log_size(n, k * r, decay) - _log_size(n, k * other, decay))
     return tuple(size * part for part in _functions(n, k, r, decay))
 
 
-def _ratios(count: int, x: float, decay: bool) -> np.ndarray:
+def _ratios(count, x, decay):
     """I_{j+1}/I_j, or K_{j+1}/K_j, of x for j = 0 ... count − 1."""
     if decay:
         from scipy.special import k0e, k1e
@@ -156,7 +156,7 @@ def _ratios(count: int, x: float, decay: bool) -> np.ndarray:
     return np.array(list(downwards))[: -count - 1 : -1]
 
 
-def _log_size(n: np.ndarray, x: float, decay: bool) -> np.ndarray:
+def _log_size(n, x, decay):
     """ln I_n(x), or ln K_n(x)."""
     from scipy.special import i0e, k0e
 

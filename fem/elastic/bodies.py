@@ -14,7 +14,7 @@ from scipy import sparse
 from fem.elastic.cache import kept
 from fem.elastic.continuum import Section
 from lagrange import Material
-from meshes import Annulus, Disc, GradedAnnulus, GradedDisc, Mesh, Shape, mesh_of
+from meshes import Annulus, Disc, GradedAnnulus, GradedDisc, Mesh, mesh_of
 
 TRIANGLE = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]), 0.5
 QUADRILATERAL = 0.25 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]), 4.0  # bilinear, at the centre
@@ -175,9 +175,7 @@ def disc_body(shape: Disc | GradedDisc, material: Material, thickness: float) ->
     )
 
 
-def _assembled(
-    shape: Shape, material: Material, thickness: float, square: float
-) -> tuple[Mesh, sparse.csr_matrix, np.ndarray]:
+def _assembled(shape, material, thickness, square):
     """Mesh, stiffness, and masses of nodes that are the circles' together; `square` : their area over π, m²."""
     mesh = mesh_of(shape)
 
@@ -223,7 +221,7 @@ def assemble(mesh: Mesh, material: Material, thickness: float) -> Assembled:
     return Assembled(stiffness[by_node][:, by_node], lumped)
 
 
-def _end_corrected(mass: np.ndarray, points: np.ndarray, disc: Disc) -> np.ndarray:
+def _end_corrected(mass, points, disc):
     """Masses with an eighth, about, of the surface nodes' on the next row, which makes the polar inertia ½ m R².
 
     Row sums integrate like the trapezoidal rule, exactly but for its end: surface nodes stand for mass that lies
@@ -320,7 +318,7 @@ class RingBody:
         return sparse.csc_matrix(sum(blocks))
 
     @cached_property
-    def _blocks(self) -> np.ndarray:
+    def _blocks(self):
         """By shift of the sector, what couples rows: (3, n_rows, n_rows, 2, 2), N/m."""
         found = np.zeros((3, self.n_rows, self.n_rows, 2, 2))
         for row in range(self.n_rows):
@@ -335,7 +333,7 @@ class RingBody:
         return matrix.reshape(len(harmonics), 2 * self.n_rows, 2 * self.n_rows)
 
     @cached_property
-    def _harmonic_compliance(self) -> np.ndarray:
+    def _harmonic_compliance(self):
         keep = (2 * self.free_rows[:, None] + np.arange(2)).ravel()
         return np.linalg.inv(self.harmonic_stiffness(np.arange(self.n_sectors // 2 + 1))[:, keep][:, :, keep])
 
@@ -360,7 +358,7 @@ class RingBody:
         return self.held(force)
 
     @cached_property
-    def _raceway_kernel(self) -> np.ndarray:
+    def _raceway_kernel(self):
         """Motion of every raceway node by a unit force on node 0, (component moved, component pushed, n_sectors)."""
         force = np.zeros((self.n_rows, 2, self.n_sectors, 2))
         force[self.raceway_row, 0, 0, 0] = force[self.raceway_row, 1, 0, 1] = 1.0
@@ -400,7 +398,7 @@ def ring_body(shape: Annulus | GradedAnnulus, material: Material, thickness: flo
     )  # fmt: skip
 
 
-def _sector_stencil(stiffness, rows: int, sectors: int, sector: int) -> np.ndarray:
+def _sector_stencil(stiffness, rows, sectors, sector):
     """Coefficients of one sector's nodes in polar components, (rows, 3, 3, 2, 2)."""
     angle = 2.0 * np.pi * (sector + np.arange(-1, 2)) / sectors
     c, s = np.cos(angle), np.sin(angle)

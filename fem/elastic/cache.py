@@ -40,11 +40,11 @@ def kept(kind: str, key: str, make: Callable[[], dict[str, np.ndarray]]) -> dict
     return found
 
 
-def _folder() -> Path:
+def _folder():
     return private_folder(mesh_cache.cache_folder().with_name("kept"))
 
 
-def _read(name: str) -> dict[str, np.ndarray] | None:
+def _read(name):
     try:
         data = read_sealed(_folder() / name)
         if data is None:
@@ -57,7 +57,7 @@ def _read(name: str) -> dict[str, np.ndarray] | None:
 
 
 @cache
-def _program() -> str:
+def _program():
     """Digest of the program's text, as far as results depend on it, and the libraries' versions."""
     elastic = Path(__file__).parent
     siblings = (elastic.with_name(name) for name in ("contacts", "kernels"))
@@ -66,5 +66,5 @@ def _program() -> str:
     return _digest(*texts, *(version(name) for name in ("numpy", "scipy", "scikit-fem")))
 
 
-def _digest(*texts: str) -> str:
+def _digest(*texts):
     return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:24]

@@ -96,7 +96,7 @@ def plane_compliance(section: Section, n: np.ndarray) -> np.ndarray:
     return _surface(section, n, 1.0, (still, 0.5 * still), PRESSURE, 0, -section.convexity)
 
 
-def _surface(section: Section, n: np.ndarray, sign: float, first, stress, component: int, towards: int) -> np.ndarray:
+def _surface(section, n, sign, first, stress, component, towards):
     """Displacement of the loaded circle per unit stress, m/Pa; of a disc relative to its mean one.
 
     sign : of the part with κ, where the held circle is too far away to count, as in any disc
@@ -209,7 +209,7 @@ def patch_crossing(crossing: np.ndarray, transform_load: np.ndarray, radius: flo
     return -float(np.sum(crossing * transform_load * _fade(n) * np.sin(n * angle))) / (pi * radius)
 
 
-def _fade(n: np.ndarray) -> np.ndarray:
+def _fade(n):
     return np.cos(0.5 * pi * np.clip(2.0 * n / n.size - 1.0, 0.0, 1.0)) ** 2
 
 
@@ -292,7 +292,7 @@ def annulus_modes(n: np.ndarray, r: float, t: float, kappa: float) -> np.ndarray
     return modes
 
 
-def _harmonics(n: np.ndarray) -> np.ndarray:
+def _harmonics(n):
     n = np.asarray(n)
     if not np.issubdtype(n.dtype, np.integer) or n.ndim == 0 or np.any(n < 0):
         raise ValueError(f"harmonics must be an array of integers >= 0, got {n!r}")

@@ -33,7 +33,7 @@ class LooseRing(RingBody):
             self._influences[key] = self._influence(np.asarray(nodes))
         return self._influences[key]
 
-    def _influence(self, nodes: np.ndarray) -> np.ndarray:
+    def _influence(self, nodes):
         places = self.surface_places(nodes)
         force = np.zeros((self.matrix.shape[0], places.size))
         force[places, np.arange(places.size)] = 1.0
@@ -130,7 +130,7 @@ class BoredRing(LooseRing):
         return splu(whole)
 
     @cached_property
-    def _kernel(self) -> np.ndarray:
+    def _kernel(self):
         """With every spring, motion of all sectors by unit forces on sector 0, (3, n_sectors, 3), m/N.
 
         Moved and pushed: the raceway along both components, the held row along its radius.
@@ -140,7 +140,7 @@ class BoredRing(LooseRing):
         force[rows, components, 0, range(3)] = 1.0
         return self.held(force)[rows, components]
 
-    def _influence(self, nodes: np.ndarray) -> np.ndarray:
+    def _influence(self, nodes):
         """As `LooseRing._influence`: that of every spring, less those that do not act.
 
         Errors: round-off, over the share of all springs' stiffness, along an axis, that is left.
@@ -174,7 +174,7 @@ class BoredRing(LooseRing):
         return self.held(self.body_load(gravity) + self._by_play)
 
     @property
-    def _by_play(self) -> np.ndarray:
+    def _by_play(self):
         """What springs push beside stiffness · u_r, (n_rows, 2, n_sectors), N."""
         force = np.zeros((self.n_rows, 2, self.n_sectors))
         force[self.held_row, 0] = self.stiffness * self.play * self.touching

@@ -51,7 +51,7 @@ class Slowing(NamedTuple):
     velocities: float  # β dt², s²
 
 
-def _third_degree() -> ReciprocalMass:
+def _third_degree():
     """z q(z) is a Chebyshev polynomial of third degree between BOTTOM and TOP, moved so that it is z near 0."""
     middle, swing = 0.5 * (TOP + BOTTOM), 0.5 * (TOP - BOTTOM)
     shape = Polynomial([middle, -3.0 * swing, 0.0, 4.0 * swing])  # of x, between −1 and 1 where it swings
@@ -92,14 +92,14 @@ def held_velocity(ring: "RingBody", momenta: np.ndarray, slowing: Slowing, mass:
     return -slowing.waves / mass * ring.cartesian(held).sum(axis=0)
 
 
-def _lightness(ring: "RingBody") -> np.ndarray:
+def _lightness(ring):
     """1/kg of every component that is free, 0 of those that are held."""
     lightness, free = np.zeros(2 * ring.n_rows * ring.n_sectors), ring.free_places
     lightness[free] = 1.0 / np.repeat(ring.row_mass, 2 * ring.n_sectors)[free]
     return lightness
 
 
-def _momenta(stiffness, lightness: np.ndarray, velocity: np.ndarray, slowing: Slowing) -> np.ndarray:
+def _momenta(stiffness, lightness, velocity, slowing):
     """v/q; a column a body."""
     if slowing.waves == 0.0:
         return velocity

@@ -90,18 +90,18 @@ def modes_of(n: int, section: Section, thickness: float, hub: float | None) -> M
     return Modes(np.sqrt(np.maximum(values, 0.0)), into, carried)
 
 
-def _held_point(section: Section) -> int:
+def _held_point(section):
     """Place of the held circle, or of a disc's centre, among the points; the loaded circle is at the other end."""
     return 0 if section.convexity > 0 else DEGREE
 
 
-def _free(section: Section) -> np.ndarray:
+def _free(section):
     """What moves of U and V at the points where a held circle or the centre does not, whole."""
     return np.delete(np.arange(2 * (DEGREE + 1)), [_held_point(section), DEGREE + 1 + _held_point(section)])
 
 
 @lru_cache
-def _basis() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _basis():
     """Gauss' points and weights on -1 ... 1; there values and slopes of the polynomials of Gauss-Lobatto's points."""
     nodes = np.concatenate([[-1.0], np.sort(Legendre.basis(DEGREE).deriv().roots().real), [1.0]])
     points, weights = legendre.leggauss(DEGREE + 4)
@@ -110,7 +110,7 @@ def _basis() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     return points, weights, legendre.legvander(points, DEGREE) @ to_series, slopes
 
 
-def _matrices(n: int, section: Section, thickness: float) -> tuple[np.ndarray, np.ndarray]:
+def _matrices(n, section, thickness):
     """Stiffness and mass of U and V at Gauss-Lobatto points, (2 (DEGREE + 1),) each way; N/m and kg."""
     loaded, held, material, _ = section
     middle, half = 0.5 * (loaded + held), 0.5 * abs(loaded - held)

@@ -245,7 +245,7 @@ class Player:
             raise UsageError(f"values: give {', '.join(values_of(self.given))}, and no others")
         self._begin(changed(self.given, values), self._first_roller(), tell)
 
-    def _begin(self, scene: Scene, first_roller: float, tell: Callable[[str], None] | None) -> None:
+    def _begin(self, scene, first_roller, tell):
         operation = scene.operation.model_copy(update=dict(first_roller_deg=first_roller))
         numerics = scene.numerics.model_copy(update=dict(duration_ms=LONGEST_MS, output_interval_us=INTERVAL_US))
         played = scene.model_copy(update=dict(operation=operation, numerics=numerics))
@@ -260,13 +260,13 @@ class Player:
         self._restarted: str | None = None
         self._start(samples)
 
-    def _start(self, samples: Samples) -> None:
+    def _start(self, samples):
         self.record = Record(self.plan.interval)
         self.turn = np.zeros(self.bearing.n_rollers)  # rad, of rollers about their own axes
         self._worst = 0.0  # J
         self._take(samples)
 
-    def _take(self, samples: Samples) -> int:
+    def _take(self, samples):
         self.record.add(samples)
         self.turn += samples["roller_spin"].sum(axis=0) * self.plan.interval
         self.now = {name: values[-1] for name, values in samples.values.items()}
@@ -275,7 +275,7 @@ class Player:
         self._imbalance = self._worst / max(float(samples.exchanged[-1]), least, 1e-30)
         return len(samples)
 
-    def _first_roller(self) -> float:  # its angle from the load, degrees
+    def _first_roller(self):  # its angle from the load, degrees
         return degrees(remainder(float(self.now["roller_theta"][0]) - FROM_LOAD, 2.0 * pi))
 
     def advance(self, count: int, give_up: Callable[[], bool] = lambda: False) -> int:
@@ -358,11 +358,11 @@ class Player:
         }  # fmt: skip
 
 
-def _short(values: np.ndarray, digits: int = 3) -> list:
+def _short(values, digits=3):
     return np.round(values, digits).tolist()
 
 
-def _good(block) -> Samples:
+def _good(block):
     if block.trouble is not None:
         raise RunFailed(block.trouble)
     return block.samples

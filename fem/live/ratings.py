@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 
 from fem.live.player import MM, STEEPEST, UM, Control, controls, values_of
 from fem.rating.answers import BLOCKS, Case, Options, Rating
-from fem.rating.sheet import Line, in_words, missing, sheet
+from fem.rating.sheet import in_words, missing, sheet
 from lagrange.kinematics import roller_angles
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.scene import Scene, content_of, parse_scene
@@ -105,7 +105,7 @@ def rate(given: Scene, wanted: Wanted) -> dict[str, object]:
     }  # fmt: skip
 
 
-def _plain(line: Line) -> tuple[str, ...]:
+def _plain(line):
     return line.meaning, line.value, line.source.name + " †" * bool(line.source.second_hand), str(line.source)
 
 

@@ -23,7 +23,7 @@ from pydantic import BaseModel, Field, ValidationError
 from websockets.asyncio.server import ServerConnection, broadcast, serve
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
-from websockets.http11 import Request, Response
+from websockets.http11 import Response
 
 from fem.live.player import Player, measured
 from fem.live.ratings import Wanted, rate, sliders
@@ -100,7 +100,7 @@ class LiveServer:
         """End it, from any thread."""
         self._loop.call_soon_threadsafe(self._ended.set_result, None)
 
-    async def _play(self) -> None:
+    async def _play(self):
         """Frames of a bearing that goes on while somebody waits for them; new values first, of many only the last."""
         publish = self._publish
         publish("bearing", self._player.facts())
@@ -145,7 +145,7 @@ class LiveServer:
             self._new = False
             publish("frame", frame | {"slowness": slowness if pace.playing and pace == self._pace else None})
 
-    async def _rate(self) -> None:
+    async def _rate(self):
         """Ratings for those who asked, each in a thread of its own."""
         while True:
             await self._asked.wait()
@@ -158,12 +158,12 @@ class LiveServer:
                 except UsageError as error:
                     broadcast([viewer], _message("unrated", str(error)))
 
-    def _in_thread(self, work: Callable, *arguments: object) -> asyncio.Future:
+    def _in_thread(self, work, *arguments):
         """The work's outcome, by a thread for which the process need not wait: it may be compiling."""
         outcome: Future = Future()
         outcome.set_running_or_notify_cancel()
 
-        def do() -> None:
+        def do():
             try:
                 outcome.set_result(work(*arguments))
             except BaseException as error:
@@ -172,7 +172,7 @@ class LiveServer:
         Thread(target=do, daemon=True).start()
         return asyncio.wrap_future(outcome, loop=self._loop)
 
-    def _publish(self, kind: str, content: object) -> None:  # send a message to all; a frame to those who wait for one
+    def _publish(self, kind, content):  # send a message to all; a frame to those who wait for one
         text = _message(kind, content)
         if kind in LASTING:
             self._last[kind] = text
@@ -181,7 +181,7 @@ class LiveServer:
             self._viewers |= dict.fromkeys(to, False)
         broadcast(to, text)
 
-    async def _attend(self, viewer: ServerConnection) -> None:  # one browser, as long as it is there
+    async def _attend(self, viewer):  # one browser, as long as it is there
         self._viewers[viewer] = False
         try:
             for kind in LASTING:
@@ -194,7 +194,7 @@ class LiveServer:
         finally:
             del self._viewers[viewer]
 
-    def _hear(self, viewer: ServerConnection, text: str | bytes) -> None:
+    def _hear(self, viewer, text):
         try:
             wish = Wish.model_validate_json(text)
         except ValidationError as error:
@@ -213,7 +213,7 @@ class LiveServer:
             self._rates[viewer] = wish.rate
             self._asked.set()
 
-    def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
+    def _answer(self, connection, request):
         """The page; nothing where a page connects; or why a request is not answered."""
         names = (f"{LOOPBACK}:{self._port}", f"localhost:{self._port}")
         origins, joins = request.headers.get_all("Origin"), request.path.endswith("/live")
@@ -243,7 +243,7 @@ class LiveServer:
         return Response(status.value, status.phrase, Headers(headers), body)
 
 
-def _message(kind: str, content: object) -> str:
+def _message(kind, content):
     return json.dumps({kind: content}, allow_nan=False, separators=(",", ":"))
 
 

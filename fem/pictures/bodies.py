@@ -12,7 +12,7 @@ Waves and measured heights are far too low for that; they are drawn around a cir
 their own.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from math import asin, pi
 from typing import Any, NamedTuple
@@ -65,7 +65,7 @@ def refined(
     `wanted` : from middles, (n, 2), m, to the longest edge allowed there, (n,), m"""
     settled = triangles[:0]  # small enough, which a neighbour's halved edge can undo
 
-    def edges_of(triangles: np.ndarray) -> np.ndarray:
+    def edges_of(triangles):
         """One number for each edge, (n, 3), the same for both triangles at it; edge k joins corners k and k + 1."""
         other = np.roll(triangles, -1, axis=1)
         return np.minimum(triangles, other) * len(data) + np.maximum(triangles, other)
@@ -88,7 +88,7 @@ def refined(
     return data, np.concatenate([triangles, settled])
 
 
-def _children(triangles: np.ndarray, halved: np.ndarray, middle: np.ndarray) -> np.ndarray:
+def _children(triangles, halved, middle):
     """Four, three or two in place of a triangle with three, two or one halved edges."""
     count = halved.sum(axis=1)
     # counted from the corner after the whole edge, or from the halved edge on
@@ -224,14 +224,14 @@ def roller_reference(instant: Instant) -> np.ndarray:
     return touching_distances(instant.model.bearing)[0] * unit_vector(instant.outer_angle)
 
 
-def _clearance(instant: Instant) -> np.ndarray:
+def _clearance(instant):
     """How far the outer ring lies outside a bearing whose parts just touch, (n_rows, 2, n_sectors), polar, m."""
     outward = np.zeros((instant.model.outer_ring.n_rows, 2, instant.model.outer_ring.n_sectors))
     outward[:, 0] = instant.model.bearing.radial_clearance
     return outward
 
 
-def _dents(instant: Instant) -> list[np.ndarray]:
+def _dents(instant):
     """Indentation below the grid as it is drawn, (n_nodes, 2) of every body, m: whole at the contact."""
     model, surfaces, disc = instant.model, instant.surfaces, instant.model.roller
     of_rings, forces = (model.inner_ring, model.outer_ring), (instant.inner_force, instant.outer_force)
@@ -404,7 +404,7 @@ def chart_factor(bearing: Bearing) -> float | None:
     return rounded_down(CHART * min(thickness(bearing, body) for body, *_ in heights) / highest)
 
 
-def _heights(bearing: Bearing) -> Iterator[tuple[Body, int | None, np.ndarray, str]]:
+def _heights(bearing):
     """Surfaces with waves or measured heights: these as rollers meet them, m, at the angles AROUND; and a name."""
     waves: dict[tuple[Body, int | None], list] = {}
     for fault in bearing.faults:
@@ -425,7 +425,7 @@ def unequal_rollers(drawing: Drawing) -> list[tuple[Circle, str]]:
     ]
 
 
-def _entered(drawing: Drawing, circle: Circle, angle: np.ndarray) -> np.ndarray:
+def _entered(drawing, circle, angle):
     """How deep other bodies reach into a circle's material along its radii, m; negative where they end before it."""
     others = [drawing.circle(body, None) for body in ("inner_ring", "outer_ring")]
     if circle.roller is None:
@@ -443,7 +443,7 @@ def _entered(drawing: Drawing, circle: Circle, angle: np.ndarray) -> np.ndarray:
     return deepest
 
 
-def _sinkage(bearing: Bearing, faults: tuple, body: Body, roller: int | None, angle: np.ndarray) -> np.ndarray:
+def _sinkage(bearing, faults, body, roller, angle):
     """What rollers reach of a body with these faults at angles of its frame, rad; of rollers what the outer does."""
     surfaces = profiles(replace(bearing, faults=faults))
     own = {"inner_ring": surfaces.inner_ring, "outer_ring": surfaces.outer_ring}

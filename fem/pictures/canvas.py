@@ -120,27 +120,27 @@ class Panel:
         """The panel's outline, just inside."""
         self.stroke(box(self.view.middle, 0.497 * self.wide, 0.497 * self.view.tall), QUIET, 1.5)
 
-    def _mesh(self, shapes: Shapes, kind: str) -> pv.PolyData:
+    def _mesh(self, shapes, kind):
         if isinstance(shapes, np.ndarray) and shapes.ndim == 2:
             shapes = [shapes]
         points, sizes = np.concatenate(shapes), np.array([len(shape) for shape in shapes])
         cells = np.insert(np.arange(len(points)), np.cumsum(sizes) - sizes, sizes)
         return pv.PolyData(self._lifted(points), **{kind: cells})
 
-    def _lifted(self, points: np.ndarray) -> np.ndarray:
+    def _lifted(self, points):
         return np.column_stack([self._place(points), np.full(len(points), self._canvas.height)])
 
-    def _plotter(self) -> pv.Plotter:
+    def _plotter(self):
         self._canvas.plotter.subplot(0, self._index)
         return self._canvas.plotter
 
-    def _colour(self, mesh: pv.PolyData, shares: np.ndarray, scale: "Scale") -> None:
+    def _colour(self, mesh, shares, scale):
         self._add(
             mesh, scalars=shares, clim=(0.0, 1.0), cmap=scale.colours, n_colors=SHADES, interpolate_before_map=True,
             nan_color=NO_VALUE, show_scalar_bar=False,
         )  # fmt: skip
 
-    def _add(self, mesh: pv.PolyData, **how) -> None:
+    def _add(self, mesh, **how):
         self._plotter().add_mesh(mesh, lighting=False, render=False, reset_camera=False, **how)
         self._canvas.height += STEP
 
@@ -177,7 +177,7 @@ class Canvas:
 # Points of shapes, (n, 2); outlines are closed
 
 
-def _between(one: np.ndarray, other: np.ndarray) -> np.ndarray:  # quadrilaterals, (n − 1, 4, 2), between two lines
+def _between(one, other):  # quadrilaterals, (n − 1, 4, 2), between two lines
     return np.stack([one[:-1], other[:-1], other[1:], one[1:]], axis=1)
 
 

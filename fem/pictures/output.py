@@ -20,8 +20,6 @@ from lagrange.errors import UsageError
 from lagrange.files.output import refuse_special, replaced
 
 if TYPE_CHECKING:
-    import h5py
-
     from fem.pictures.recover import Instant, StoredRun
 
 MARK = "render-fem"  # in files that have room for a remark
@@ -162,7 +160,7 @@ def fields(instant: "Instant") -> tuple[np.ndarray, dict[str, np.ndarray]]:
     return points, {name: values.astype(np.float32) for name, values in data.items()}
 
 
-def _cells(instant: "Instant") -> tuple[list[np.ndarray], list[np.ndarray]]:
+def _cells(instant):
     """Cells of the rings and of the rollers, and the number of each one's body."""
     cells, numbers, first = [], [], 0
     for number, (body, *_) in enumerate(instant.surfaces):
@@ -173,7 +171,7 @@ def _cells(instant: "Instant") -> tuple[list[np.ndarray], list[np.ndarray]]:
     return blocks, bodies
 
 
-def _write_vtkhdf(file: "h5py.File", run: "StoredRun", samples: Sequence[int], count: Callable[[], None]) -> None:
+def _write_vtkhdf(file, run, samples, count):
     """An unstructured grid whose cells stay and whose points move.
     Source: VTK file formats, "VTKHDF", version 2.0, transient data."""
     import h5py

@@ -179,7 +179,7 @@ class StoredRun(RunFile):
         return found if found.stored else replace(found, **_recovered(found, self["roller_spin"][sample]))
 
 
-def _recovered(at: Instant, spin: np.ndarray) -> dict[str, np.ndarray]:
+def _recovered(at, spin):
     """The quasi-static displacements under an instant's forces, its rollers spinning, (n_rollers,), rad/s."""
     model, gravity, surfaces = at.model, at.operation.gravity, at.surfaces
     disc, of_rollers = model.roller, spin[:, None, None] ** 2 * (model.roller.mass[:, None] * model.roller.points)
@@ -205,5 +205,5 @@ def unit_vector(angle) -> np.ndarray:
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
-def _angle(vectors: np.ndarray) -> np.ndarray:
+def _angle(vectors):
     return np.arctan2(vectors[:, 1], vectors[:, 0])

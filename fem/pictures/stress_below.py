@@ -100,14 +100,14 @@ def spline_displacement(
 
 
 @cache
-def _quadrature() -> tuple[np.ndarray, np.ndarray]:
+def _quadrature():
     """Points of the patch, in node spacings, and weights that include its density."""
     abscissa, weight = np.polynomial.legendre.leggauss(SOURCES)
     at = np.add.outer(INTERVALS[:-1], 0.5 * (abscissa + 1.0)).ravel()
     return at, BSpline.basis_element(INTERVALS)(at) * np.tile(0.5 * weight, 4)
 
 
-def _spline_logarithm(z: np.ndarray) -> np.ndarray:
+def _spline_logarithm(z):
     """∫ w(t) ln(z + it) dt over the cubic B-spline w: a fourth difference of the logarithm's fourth antiderivative."""
     total = np.zeros_like(z)
     for k, factor in zip(INTERVALS, (1.0, -4.0, 6.0, -4.0, 1.0), strict=True):

@@ -16,9 +16,9 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from fem.pictures import bodies, canvas
-from fem.pictures.bodies import Drawing, DrawnBearing, rounded_down, shear_peak
-from fem.pictures.canvas import ASPECT, FAULT, INK, QUIET, Panel, View, arc, arrow
-from fem.pictures.look import Look, Request, Scale, chosen_look
+from fem.pictures.bodies import Drawing, rounded_down, shear_peak
+from fem.pictures.canvas import ASPECT, FAULT, INK, QUIET, View, arc, arrow
+from fem.pictures.look import Request, chosen_look
 from fem.pictures.output import MARK
 from fem.pictures.recover import FIRST_ROLLER, Instant, StoredRun, unit_vector
 from fem.pictures.stress_below import AT_DEPTH, LARGEST_SHEAR
@@ -81,11 +81,11 @@ def draw(run: StoredRun, target: Path, request: Request, sample: int) -> None:
 # ---- what pictures of both kinds share
 
 
-def _signed(value: float) -> str:  # A number with a true minus sign, and no negative zero
+def _signed(value):  # A number with a true minus sign, and no negative zero
     return f"{value + 0.0:g}".replace("-", "−")
 
 
-def _title(page: Panel, sketch: Drawing, x: float, y: float, below: float, method_below: float | None = None) -> None:
+def _title(page, sketch, x, y, below, method_below=None):
     """Name, time, operation, model and damping; an animation's pace.
     `below` : how far below the title facts stand; `method_below`: and model and damping in a line of their own"""
     instant, bearing = sketch.instant, sketch.bearing
@@ -112,7 +112,7 @@ def _title(page: Panel, sketch: Drawing, x: float, y: float, below: float, metho
     page.text("   ".join([*facts, sketch.look.pace]).rstrip(), x, y - below, HEADING)
 
 
-def _length_bar(page: Panel, x: float, y: float, unit: float, longest: float = 0.5, backed: bool = False) -> None:
+def _length_bar(page, x, y, unit, longest=0.5, backed=False):
     """A bar of a round length; `unit`, mm, is what one length of the plane stands for; `backed`: on a white ground."""
     length, tip = rounded_down(longest * unit), TIP * page.view.pixel
     end = x + length / unit
@@ -124,7 +124,7 @@ def _length_bar(page: Panel, x: float, y: float, unit: float, longest: float = 0
     page.text(f"{length:g} mm", end + 2.0 * tip, y, TEXT, backed=backed)
 
 
-def _texts(page: Panel, x: float, y: float, lines: Sequence[str], size: float, apart: float) -> float:
+def _texts(page, x, y, lines, size, apart):
     """Quiet lines, one below the other; the height of the next one."""
     for text in lines:
         page.text(text, x, y, size, QUIET)
@@ -132,7 +132,7 @@ def _texts(page: Panel, x: float, y: float, lines: Sequence[str], size: float, a
     return y
 
 
-def _bodies(plane: Panel, sketch: Drawing, fine: DrawnBearing, scale: Scale, unit: float, page=False, mesh=True):
+def _bodies(plane, sketch, fine, scale, unit, page=False, mesh=True):
     """Coloured bodies, their outlines, and the holes of spalls, which are returned.
     `unit` : m, a length of the panel; `page` : whether it shows the whole bearing: spalls as deep as rollers reach;
     `mesh` : whether edges of the finite elements are drawn, if they can be resolved"""
@@ -169,7 +169,7 @@ ORBIT = 1.25, -1.19, 0.46  # left, bottom, size
 ORBIT_MARGIN = 1.35  # of the orbit's extent
 
 
-def _orbit_view(look: Look) -> list[View]:
+def _orbit_view(look):
     """The inset's place on the page, and its plane: the orbit, µm. None where the hub does not move."""
     if look.orbit is None:
         return []
@@ -181,7 +181,7 @@ def _orbit_view(look: Look) -> list[View]:
     return [View(left=x, bottom=y, right=x + size / wide, top=y + size / tall, middle=middle, tall=extent)]
 
 
-def _paint_bearing(sketch: Drawing, page: Panel, *inset: Panel) -> None:
+def _paint_bearing(sketch, page, *inset):
     drawn, look, bearing, unit = sketch.drawn, sketch.look, sketch.bearing, sketch.bearing.outside_radius
     plane = page.placed(lambda points: np.asarray(points) / unit)  # for lengths in m
     _housing(page, sketch)
@@ -217,7 +217,7 @@ def _paint_bearing(sketch: Drawing, page: Panel, *inset: Panel) -> None:
         _orbit(page, panel, sketch)
 
 
-def _housing(page: Panel, sketch: Drawing) -> None:
+def _housing(page, sketch):
     look, unit, bore = sketch.look, sketch.bearing.outside_radius, sketch.instant.scene.mounting().bore
     if bore is None:
         inside = float(np.hypot(*sketch.drawn.outlines(sketch.magnification)[3][0])) / unit - 0.01
@@ -256,7 +256,7 @@ def bars(instant: Instant) -> list[np.ndarray]:
     return [instant.cage[:2] + np.column_stack([each.real, each.imag]) for each in turned]
 
 
-def _dots(plane: Panel, sketch: Drawing) -> None:  # dots that turn with the rollers and the rings that turn
+def _dots(plane, sketch):  # dots that turn with the rollers and the rings that turn
     instant, bearing = sketch.instant, sketch.bearing
     if not any(instant.operation.ring_speeds):
         return
@@ -271,7 +271,7 @@ def _dots(plane: Panel, sketch: Drawing) -> None:  # dots that turn with the rol
         plane.fill([arc(place, size * DOT[1] * bearing.roller_radius) for place in places], colour)
 
 
-def _shaft(page: Panel, sketch: Drawing, hub: np.ndarray, bore: float) -> None:
+def _shaft(page, sketch, hub, bore):
     """The hub's centre, the outer ring's centre, the load and how both rings turn."""
     operation, size = sketch.instant.operation, min(27.0, 75.0 * bore)
     page.stroke(canvas.cross((0.0, 0.0), 0.16 * bore), FAINT, 1.5)
@@ -290,7 +290,7 @@ def _shaft(page: Panel, sketch: Drawing, hub: np.ndarray, bore: float) -> None:
         page.text("n", hub[0], hub[1] + 0.56 * bore, size, bold=True, align="center")
 
 
-def _legend(page: Panel, sketch: Drawing) -> None:
+def _legend(page, sketch):
     instant, look, bearing = sketch.instant, sketch.look, sketch.bearing
     _title(page, sketch, EDGE, TOP, 0.105)
     page.text(f"{look.scale.title}, {look.scale.unit}", COLUMN, COLOUR_BAR[1] + 0.10, HEADING, bold=True)
@@ -336,7 +336,7 @@ def _legend(page: Panel, sketch: Drawing) -> None:
     _length_bar(page, COLUMN, y - 2.4 * LINE, 1e3 * bearing.outside_radius)
 
 
-def _orbit(page: Panel, inset: Panel, sketch: Drawing) -> None:
+def _orbit(page, inset, sketch):
     left, bottom, size = ORBIT
     x, y, tall = left + size + 0.04, bottom + size - 0.05, inset.view.tall
     page.text("Hub's orbit", x, y, HEADING, bold=True)
@@ -367,7 +367,7 @@ FACTS, FACTS_APART = 20.0, 0.027  # pixels, of the page's height
 CROSS = 0.16  # half the size of a mark
 
 
-def _paint_closeup(sketch: Drawing, page: Panel, main: Panel, *contacts: Panel) -> None:
+def _paint_closeup(sketch, page, main, *contacts):
     look = sketch.look
     _title(page, sketch, 0.02, 0.97, 0.042, 0.071)
     _roller(main, sketch)
@@ -382,11 +382,11 @@ def _paint_closeup(sketch: Drawing, page: Panel, main: Panel, *contacts: Panel) 
         _texts(page, BARS[1][0], BARS[1][1] - 0.035, lines, FACTS, FACTS_APART)
 
 
-def _direction(sketch: Drawing, kind: str) -> float:  # from the ring's centre to the roller's, rad
+def _direction(sketch, kind):  # from the ring's centre to the roller's, rad
     return getattr(sketch.instant, f"{kind}_angle")[sketch.look.roller]
 
 
-def _is_over_a_spall(sketch: Drawing, kind: str) -> bool:
+def _is_over_a_spall(sketch, kind):
     """Whether the contact's line of centres meets a spall: then its edges carry the force."""
     j, bearing, instant, direction = sketch.look.roller, sketch.bearing, sketch.instant, _direction(sketch, kind)
     on_ring = direction - (instant.ring_turn if kind == "inner" else instant.outer_turn)
@@ -400,13 +400,13 @@ def _is_over_a_spall(sketch: Drawing, kind: str) -> bool:
     return False
 
 
-def _turned(panel: Panel, sketch: Drawing, origin: np.ndarray, unit: float) -> Panel:
+def _turned(panel, sketch, origin, unit):
     """A panel for points in m from an origin: the outer raceway below."""
     turn = -0.5 * pi - _direction(sketch, "outer")
     return panel.placed(lambda points: rotated(points - origin, turn) / unit)
 
 
-def _roller(main: Panel, sketch: Drawing) -> None:  # the whole roller, with the mesh and the bodies' names
+def _roller(main, sketch):  # the whole roller, with the mesh and the bodies' names
     drawn, radius, j = sketch.drawn, sketch.bearing.roller_radius, sketch.look.roller
     centre = drawn.roller_reference[j]
     plane = _turned(main, sketch, centre, radius)
@@ -421,7 +421,7 @@ def _roller(main: Panel, sketch: Drawing) -> None:  # the whole roller, with the
     _length_bar(main, left + 0.02, -0.46 * tall, 1e3 * radius, backed=True)
 
 
-def _contact(page: Panel, panel: Panel, sketch: Drawing, kind: str) -> None:
+def _contact(page, panel, sketch, kind):
     """The field around one contact, how wide it is, where the shear is largest; and the numbers around its panel."""
     b, j, drawn, view = sketch.look.half_width, sketch.look.roller, sketch.drawn, panel.view
     angle, tall = _direction(sketch, kind) + pi * (kind == "inner"), view.tall

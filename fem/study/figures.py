@@ -1,7 +1,6 @@
 """Figures of a study's page, with the look of the report."""
 
 import textwrap
-from collections.abc import Iterator
 from itertools import product
 
 import matplotlib.pyplot as plt
@@ -28,16 +27,16 @@ def study_figures(table: Table, indices: list[tuple[Column, Indices]]) -> list[D
         return [*found, *_sobol_bars(table, indices)]
 
 
-def _broken(column: Column, wide: int = 20) -> str:
+def _broken(column, wide=20):
     return textwrap.fill(column.label, wide)
 
 
-def _name_words(axis, column: Column) -> None:
+def _name_words(axis, column):
     if column.words:
         axis.set_xticks(range(len(column.words)), column.words, rotation=40, ha="right")
 
 
-def _lines(table: Table) -> Iterator[Drawing]:
+def _lines(table):
     """Each quantity over one parameter, a line for each value of the second, a column for each of the third."""
     quantities = table.telling
     if not quantities:
@@ -71,7 +70,7 @@ def _lines(table: Table) -> Iterator[Drawing]:
     yield finished(figure, "lines", "Results", f"All points, over {over}.")
 
 
-def _is_geometric(values: np.ndarray) -> bool:
+def _is_geometric(values):
     """Whether values have equal ratios, and so much apart that a logarithmic axis shows them better."""
     if len(values) < 3 or values[0] <= 0.0 or values[-1] < WIDE * values[0]:
         return False
@@ -79,7 +78,7 @@ def _is_geometric(values: np.ndarray) -> bool:
     return np.allclose(steps, steps.mean(), rtol=0.05)
 
 
-def _main_effects(table: Table) -> Iterator[Drawing]:
+def _main_effects(table):
     parameters, quantities = table.parameters[:MOST], table.telling[:MOST]
     if not parameters or not quantities:
         return
@@ -101,7 +100,7 @@ def _main_effects(table: Table) -> Iterator[Drawing]:
     yield finished(figure, "main-effects", "Main effects", caption)
 
 
-def _heat_map(table: Table) -> Iterator[Drawing]:
+def _heat_map(table):
     """Two parameters that explain most, of each quantity; means over all others."""
     quantities = [column for column in table.telling if len(table.strongest(column)) > 1][:4]
     if not quantities:
@@ -134,7 +133,7 @@ def _heat_map(table: Table) -> Iterator[Drawing]:
     yield finished(figure, "heat-map", "Two parameters at a time", caption)
 
 
-def _scatter_matrix(table: Table) -> Iterator[Drawing]:
+def _scatter_matrix(table):
     parameters = table.parameters[:3]
     columns = [*parameters, *table.telling[:4]]
     n = len(columns)
@@ -158,7 +157,7 @@ def _scatter_matrix(table: Table) -> Iterator[Drawing]:
     yield finished(figure, "scatter-matrix", "Scatter matrix", caption)
 
 
-def _sobol_bars(table: Table, indices: list[tuple[Column, Indices]]) -> Iterator[Drawing]:
+def _sobol_bars(table, indices):
     if not indices:
         return
     names = [textwrap.fill(name_in_words(name), 12) for name in table.points.design.names]

@@ -10,7 +10,7 @@ study.html
 import io
 import json
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -73,7 +73,7 @@ class StudyRecord(BaseModel, extra="forbid", strict=True):
         return self
 
 
-def _record_of(points: Points) -> StudyRecord:
+def _record_of(points):
     study = points.study
     return StudyRecord(
         version=VERSION, name=study.name, study=study.text, listed=study.listed, scene=study.scene.to_written_toml(),
@@ -91,7 +91,7 @@ class Folder:
         """A point's result file."""
         return self.path / "runs" / f"{digest}.nc"
 
-    def _point(self, digest: str) -> Path:
+    def _point(self, digest):
         return self.path / "points" / f"{digest}.point"
 
     def points(self) -> Points:
@@ -104,7 +104,7 @@ class Folder:
             design=Design(keys=facts.keys, points=facts.points, axes=facts.axes, base=facts.base),
             digests=facts.digests, made_by=facts.made_by)  # fmt: skip
 
-    def _record(self) -> StudyRecord:
+    def _record(self):
         try:
             return StudyRecord.model_validate_json(read_plain(self._about))
         except OSError as error:
@@ -134,7 +134,7 @@ class Folder:
         if not self._about.exists() and self.path.exists() and any(self.path.iterdir()):
             raise UsageError(f"{self.path}: not empty and no study; choose another --output or empty it")
 
-    def _refuse_begun(self, points: Points, resume: bool) -> None:
+    def _refuse_begun(self, points, resume):
         if not self._about.exists():
             return
         if not resume:
@@ -197,7 +197,7 @@ class Folder:
             write_sealed(self._point(digest), archive.getvalue())
 
     @contextmanager
-    def _naming(self) -> Iterator[None]:  # say what to do where the disk fails
+    def _naming(self):  # say what to do where the disk fails
         try:
             yield
         except OSError as error:
@@ -229,7 +229,7 @@ def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = la
         count()
     variables: dict[str, tuple] = {}
 
-    def put(name: str, values, unit: str, meaning: str, further: tuple[str, ...] = ()) -> None:
+    def put(name, values, unit, meaning, further=()):
         """A variable of the points; a parameter of the study may tell it already."""
         data = values if isinstance(values, np.ndarray) else _array(values)
         data, about = data.reshape(*design.shape, *data.shape[1:]), {"units": unit, "long_name": meaning}
@@ -267,7 +267,7 @@ def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = la
     return dataset
 
 
-def _array(values: list) -> np.ndarray:  # numbers, NaN for None; or words, "" for None
+def _array(values):  # numbers, NaN for None; or words, "" for None
     words = any(isinstance(value, str) for value in values)
     data = np.array([("" if words else nan) if value is None else value for value in values])
     return data.astype(object if words else "i1" if data.dtype.kind == "b" else data.dtype)
@@ -383,7 +383,7 @@ def table_of(points: Points, dataset: xarray.Dataset) -> Table:
         complete=dataset.status.values.ravel() == COMPLETE)  # fmt: skip
 
 
-def _column(name: str, unit: str, meaning: str, values: Sequence) -> Column:
+def _column(name, unit, meaning, values):
     wordy = any(isinstance(value, str | bool) for value in values)
     given = [NOTHING if value is None else str(value) for value in values]
     words = tuple(dict.fromkeys(given)) if wordy else ()

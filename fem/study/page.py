@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from xarray import Dataset
 
-from fem.study.folder import NOTHING, Column, Folder, Table, incomplete, table_of
+from fem.study.folder import NOTHING, Folder, incomplete, table_of
 from fem.study.solving import Expected, Points, StudyOptions
 from lagrange.files.output import load_matplotlib, render_page, write_whole
 from lagrange.messages import Section
@@ -56,7 +56,7 @@ def write_page(points: Points, folder: Folder, dataset: Dataset) -> None:
     write_whole(folder.page, text.encode())
 
 
-def _range(table: Table, quantity: Column) -> list[str]:
+def _range(table, quantity):
     """Name, smallest and largest value, of drawn points mean and deviation, points, shares of variance."""
     known = quantity.values[np.isfinite(quantity.values)]
     functions = (np.min, np.max, *((np.mean, np.std) if table.is_adjusted else ()))
@@ -68,7 +68,7 @@ def _range(table: Table, quantity: Column) -> list[str]:
     return row
 
 
-def _facts(table: Table, dataset: Dataset) -> list[tuple[str, str]]:
+def _facts(table, dataset):
     study, design = table.points.study, table.points.design
     shape = "" if design.axes is None else ", " + " × ".join(str(size) for size in design.shape)
     varied = []

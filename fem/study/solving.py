@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.interface import OF_CHECK, Result, check_quantities, simulate, statics
+from fem.interface import OF_CHECK, check_quantities, simulate, statics
 from fem.quantities import OF_RATING, OF_STATICS
 from fem.rating.answers import values_of
 from fem.result.store import readable
@@ -96,7 +96,7 @@ def checked_points(study: Study, design: Design, count: Callable[[], None] = lam
     return Points(study=study, design=design, digests=digests, made_by=program())
 
 
-def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> None:
+def _check_signals(scene, keep, first):
     """Refuse signals that a point does not have, or that do not fit beside those of the first point."""
     count, numerics, rate = sample_count(scene), scene.numerics, keep.signal_rate_kHz
     if count < 2 and not all(name.startswith(("first_", "static_", "rating_")) for name in keep.quantities):
@@ -189,7 +189,7 @@ def solve(scene: Scene, wanted: Wanted, stop: Callable[[], bool] = lambda: False
     return Solved(status=status, text=reason, seconds=spent())
 
 
-def _kept(result: Result, wanted: Wanted) -> dict[str, Any]:
+def _kept(result, wanted):
     """Quantities, signals, decimated by a whole number after a filter without phase, and the file of a run."""
     keep, known = wanted.keep, {name: found.value for name, found in result.quantities.items()}
     if not OF_CHECK.keys().isdisjoint(keep.quantities):
@@ -371,7 +371,7 @@ class Processes(Solver):
                 self._kill(pipe)
                 yield point, self.hung()
 
-    def _kill(self, pipe: Any) -> int:
+    def _kill(self, pipe):
         process = self._processes.pop(pipe)
         process.kill()
         process.join()
@@ -407,7 +407,7 @@ class Cluster(Solver):
         self._room, self._counted = 0, -inf
         client.subscribe_topic(self._topic, self._note)
 
-    def _note(self, event: tuple[float, dict[str, Any]]) -> None:
+    def _note(self, event):
         self._begun[event[1]["point"]] = event[1]["worker"], time.monotonic()
 
     def has_room(self) -> bool:
@@ -453,7 +453,7 @@ def scheduler_client(where: str) -> Iterator[Any]:
     from distributed import Client
     from distributed.comm import connect
 
-    async def knock() -> None:  # greet what is there, and leave: a client would wait for its answer without end
+    async def knock():  # greet what is there, and leave: a client would wait for its answer without end
         await (await connect(where, timeout=CONNECT)).close()
 
     try:

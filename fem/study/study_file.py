@@ -2,7 +2,7 @@
 
 import csv
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import product
 from math import isfinite, nan, prod
@@ -45,7 +45,7 @@ class SamplingTable(Table):
     def is_drawn(self) -> bool:  # whether points are drawn from distributions
         return self.method in ("lhs", "sobol")
 
-    def _faults(self) -> Iterator[str]:
+    def _faults(self):
         method, samples = self.method, self.samples
         if self.is_drawn and samples is None:
             yield f'samples: missing; method = "{method}" needs a number of samples'
@@ -67,7 +67,7 @@ class KeepTable(Table):
     signals: list[str] = Field([], max_length=MOST_NAMES)
     signal_rate_kHz: float | None = Field(None, ge=1e-6, le=1e6)
 
-    def _faults(self) -> Iterator[str]:
+    def _faults(self):
         for name in self.quantities:
             if name not in QUANTITIES:
                 hint = likely_of(name, QUANTITIES)
@@ -209,19 +209,19 @@ def study_of(path: Path, text: str, listed: str | None) -> Study:
         keep=table.keep, limits=table.limits, text=text, listed=listed)  # fmt: skip
 
 
-def _text(path: Path) -> str:
+def _text(path):
     try:
         return plain_text(path, LARGEST_FILE)
     except ValueError as error:
         raise UsageError(f"{path}: {error}") from None
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value):
     """Whether a value of TOML, whose whole numbers have no limit, is a number that a float can hold."""
     return isinstance(value, float | int) and not isinstance(value, bool) and abs(value) <= float_info.max
 
 
-def _is_value(value: Any) -> bool:  # of a scene
+def _is_value(value):  # of a scene
     return isinstance(value, str | bool) or _is_number(value)
 
 
@@ -242,7 +242,7 @@ def read_parameter(key: str, spec: Any) -> Parameter:
     return _distribution(key, f"{place}.{name}", name, arguments)
 
 
-def _choice(key: str, place: str, given: list[Any]) -> Parameter:  # values given one by one; drawn with equal shares
+def _choice(key, place, given):  # values given one by one; drawn with equal shares
     n = len(given)
     if not 1 <= n <= MOST_VALUES:
         raise UsageError(f"{place}: holds {n} values; 1 to {MOST_VALUES} are allowed")
@@ -255,7 +255,7 @@ def _choice(key: str, place: str, given: list[Any]) -> Parameter:  # values give
     return Parameter(key, tuple(given), lambda at: [given[i] for i in np.minimum((at * n).astype(int), n - 1)])
 
 
-def _range(key: str, place: str, spec: dict[str, Any]) -> Parameter:
+def _range(key, place, spec):
     """From one value to another, both included, evenly or by equal factors; without a count drawn in between."""
     for name in spec:
         if name not in RANGE_KEYS:
@@ -274,10 +274,10 @@ def _range(key: str, place: str, spec: dict[str, Any]) -> Parameter:
         raise UsageError(f'{place}: scale = "log" needs from = {low:g} above 0')
     whole = isinstance(low, int) and isinstance(high, int)
 
-    def at(shares: np.ndarray) -> list[Value]:
+    def at(shares):
         return (low * (high / low) ** shares if is_log else low + (high - low) * shares).tolist()
 
-    def drawn(shares: np.ndarray) -> list[Value]:  # each whole number has the same share
+    def drawn(shares):  # each whole number has the same share
         return [min(int(low + s * (high - low + 1)), high) for s in shares] if whole else at(shares)
 
     if count is None:
@@ -287,7 +287,7 @@ def _range(key: str, place: str, spec: dict[str, Any]) -> Parameter:
     return Parameter(key, tuple(map(kind, values)))
 
 
-def _distribution(key: str, place: str, name: str, arguments: Any) -> Parameter:
+def _distribution(key, place, name, arguments):
     """A continuous distribution of scipy.stats with its arguments in their order: shapes, location, scale."""
     from scipy import stats
 
@@ -299,7 +299,7 @@ def _distribution(key: str, place: str, name: str, arguments: Any) -> Parameter:
     if not isinstance(arguments, list) or not all(map(_is_number, arguments)):
         raise UsageError(f"{place} = {quoted(arguments)}: must be a list of numbers: shapes, location, scale")
 
-    def quantiles(shares: np.ndarray) -> list[Value]:
+    def quantiles(shares):
         with warnings.catch_warnings(action="ignore"):  # of what is no number, which is refused
             return law(*map(float, arguments)).ppf(shares).tolist()
 
@@ -332,7 +332,7 @@ def design_of(study: Study) -> Design:
     return Design(keys=keys, points=list(product(*axes)), axes=axes)
 
 
-def _check_count(count: int, parameters: int, what: str) -> None:
+def _check_count(count, parameters, what):
     if count > MOST_POINTS:
         raise UsageError(f"{what}: {count:,} points; at most {MOST_POINTS:,} are allowed")
     if count * parameters > MOST_NUMBERS:
@@ -341,7 +341,7 @@ def _check_count(count: int, parameters: int, what: str) -> None:
         )
 
 
-def _drawn(sampling: SamplingTable, parameters: Mapping[str, Parameter]) -> Design:
+def _drawn(sampling, parameters):
     """Points of a Latin hypercube or of a scrambled Sobol sequence.
     With indices A, B, and for each parameter A with its column of B, one below the other, ((d + 2) n, d).
     Source: Saltelli et al., Computer Physics Communications 181 (2010), as scipy.stats.sobol_indices takes them."""
@@ -361,7 +361,7 @@ def _drawn(sampling: SamplingTable, parameters: Mapping[str, Parameter]) -> Desi
     return Design(tuple(parameters), list(zip(*columns, strict=True)), base=n if sampling.indices else 0)
 
 
-def _listed(name: str, text: str) -> Design:
+def _listed(name, text):
     """Points of a CSV table whose header names keys of the scene; a value is TOML, or a plain word, or left empty."""
     try:
         rows = [[cell.strip() for cell in row] for row in csv.reader(text.splitlines())]

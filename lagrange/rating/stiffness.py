@@ -93,7 +93,7 @@ def over_pitch(
     return Pitch(turned=turned, theta=theta, **every)
 
 
-def _mirror(point: Point) -> Point:  # across the line of the load
+def _mirror(point):  # across the line of the load
     side, swapped = np.array([-1.0, 1.0]), np.array([[1.0, -1.0], [-1.0, 1.0]])
     return Point(
         place=side * point.place, rho=point.rho[::-1], inner_force=point.inner_force[::-1],

@@ -27,7 +27,7 @@ from lagrange.scene.scene import Scene, parse_scene, read_scene
 from residual.formatting import hertz, text
 from residual.measured import Question
 from residual.measured import diagnosis as judging
-from residual.measured.diagnosis import BODIES, CLEAR, DECOYS, DEEP, HEADLINES, NEXT, SLIP, Diagnosis, Geometry
+from residual.measured.diagnosis import BODIES, CLEAR, DECOYS, DEEP, HEADLINES, NEXT, SLIP, Geometry
 from residual.measured.judged import Entry, Judged, damage_width, mean_pulse
 from residual.measured.signals import Signal, read_signal
 from residual.record import first_sample
@@ -238,7 +238,7 @@ def check_record(path: Path, against: Path | None, question: Question, healthy: 
     return Check(path, record, other, f"run-fem {scene} {' '.join(given)}", tuple(assumed(simulated)))
 
 
-def _read(path, question, beside=None) -> tuple[Signal, Geometry, float]:
+def _read(path, question, beside=None):
     """A file's signal, bearing and shaft, Hz; a run brings its own, and takes the rate of what it stands beside."""
     from residual.sources import is_result, read_result
 
@@ -268,7 +268,7 @@ def _read(path, question, beside=None) -> tuple[Signal, Geometry, float]:
     return signal, asked, _shaft(question)
 
 
-def _judged(read, tolerance, beside: Judged | None = None, healthy: Diagnosis | None = None):
+def _judged(read, tolerance, beside=None, healthy=None):
     """A signal's verdict, levels, width and pulse, the pulse of the part that stands out in what it is `beside`."""
     signal, geometry, shaft = read
     diagnosis = judging.diagnose(signal, geometry, shaft, tolerance, healthy)
@@ -333,7 +333,7 @@ def _comparison(check, other):
     name, pair = check.part, (check.record, other)
     shared = len({judged.signal.unit for judged in pair}) == 1
 
-    def quantities(judged: Judged) -> dict[str, str]:
+    def quantities(judged):
         found, level, pulse, unit = judged.diagnosis, judged.level, judged.pulse, judged.signal.unit or "own unit"
         same, spectrum = found.of(name), found.spectrum
         first, turn = same.lines[0], same.found / found.shaft
@@ -504,7 +504,7 @@ def _numbers(judged):
     """A record's part of summary.json."""
     found, level, unit = judged.diagnosis, judged.level, {"m/s²": "m_s2", "m/s": "m_s"}.get(judged.signal.unit)
 
-    def place(of) -> dict[str, Any]:
+    def place(of):
         return {"name": of.name, "expected_Hz": of.expected, "found_Hz": of.found, "depth": of.depth}
 
     lines = [place(line) | {"level": line.level, "p": each.p} for each in found.findings for line in each.lines]

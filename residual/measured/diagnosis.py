@@ -386,7 +386,7 @@ def _look(signal, whitened: Prewhitened, whole: tuple[np.ndarray, float], geomet
     reach = {name: tolerance + geometry.reach(name) for name in BODIES}
     bands, octaves = whitened.octaves(max(nominal["BPFO"], nominal["BPFI"])), list[tuple]()
 
-    def deepest(of: Finding) -> Finding:
+    def deepest(of):
         """With its depth in the octave where it is deepest."""
         if not octaves:
             octaves.extend((band, envelope_spectrum(*whitened.power(*band), length, top)) for band in bands)
@@ -398,7 +398,7 @@ def _look(signal, whitened: Prewhitened, whole: tuple[np.ndarray, float], geomet
         depth, band = max(depths, key=lambda each: each[0])
         return of._replace(deepest=depth, octave=band)
 
-    def search(rest: EnvelopeSpectrum) -> list[Finding]:
+    def search(rest):
         """All parts, the most prominent first; the others without its lines."""
         findings, waiting = list[Finding](), list(BODIES)
         while waiting:
@@ -412,7 +412,7 @@ def _look(signal, whitened: Prewhitened, whole: tuple[np.ndarray, float], geomet
             rest = rest.without(best.found, *_modulators(rest, best.name, best.found, nominal))
         return findings
 
-    def judge(findings: list[Finding]) -> list[tuple[Finding, Verdict, tuple[str, ...]]]:
+    def judge(findings):
         given = geometry, turning, sharp, shaft, tolerance, spectrum, healthy
         these = [each for k, each in enumerate(findings) if k == 0 or each.stands_out]
         return [(each, *_judged(each, tuple(_doubts(each, *given)), each is findings[0])) for each in these]

@@ -195,7 +195,7 @@ def _hdf5(data, path):
     """Numbers and groups of a MATLAB 7.3 file or another HDF5 file; texts, cells and links are left out."""
     import h5py
 
-    def tree(group: Any, depth: int = 0) -> dict[str, Any]:
+    def tree(group, depth=0):
         found: dict[str, Any] = {}
         for name in list(group)[:MOST_CHANNELS]:
             if name.startswith("#") or type(group.get(name, getlink=True)).__name__ != "HardLink":

@@ -115,7 +115,7 @@ def _rate(
     folder.mkdir(parents=True, exist_ok=True)
     options = Options(
         name=name, viscosity=viscosity, contamination=contamination, reliability=reliability, roughness=roughness,
-        width=width, life=life, cycle=steps, run=run,
+        width=width, life=life, cycle=steps, run=run, rotor=ross is not None,
     )  # fmt: skip
     several = len(chosen) > 1
     stem = name if several else result_name(chosen[0].name, settings)

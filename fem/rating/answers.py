@@ -63,6 +63,7 @@ class Options(NamedTuple):
     life: float | None = None  # h, wanted
     cycle: DutyCycle | None = None
     run: RunLoads | None = None  # of the same scene: its loads in place of the scene's
+    rotor: bool = False  # coefficients for one are wanted
     angles: int = SAMPLES  # of the cage in a pitch; a quarter of them where rollers tilt
 
 
@@ -806,5 +807,5 @@ def _warnings(case: Case, values: dict[str, Any]) -> Iterator[str]:
         )
     if values["kappa"] is not None and values["kappa"] < 1.0:
         yield f"κ = {values['kappa']:.2g}: mixed lubrication, surfaces touch; a higher viscosity raises κ"
-    if not case.scene.damping.contacts.acts:
+    if case.options.rotor and not case.scene.damping.contacts.acts:
         yield "the scene has no contact damping: a rotor on these coefficients is undamped"

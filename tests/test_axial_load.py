@@ -186,7 +186,7 @@ def test_preload_and_stiffness_of_a_pair_are_those_of_two_rows_by_hand():
 
 
 def test_a_row_that_slides_open_names_the_least_axial_load():
-    with pytest.raises(Unavailable, match=r"at 14° a radial load of 40000 N needs an axial load of 9973 N at least"):
+    with pytest.raises(Unavailable, match="40000 N of radial load need 9973 N of axial load at least"):
         solve(TAPERED, 40_000.0, 8000.0)
 
 

@@ -713,7 +713,10 @@ def test_what_lives_and_stiffness_take_for_granted_is_told_where_it_is_not_so(he
     assert told["L10r_Mrev"] is None and "swing by ±3°" in told["reasons"]["L10r_Mrev"]
     assert any("critical amplitude of ±35.4°" in each for each in told["warnings"]) and told["L10_h"] > 0.0
     light = "model=lagrange", "operation.radial_load_N=5", "operation.gravity_m_s2=0", "operation.speed_rpm=30000"
-    for settings, words in ((["bearing.rows=2"], ["b_m = 1.15"]), (light, ["not positive", "n d_m is 1.4e+06 mm/min"])):
+    for settings, words in (
+        (["bearing.rows=2"], ["spherical rollers (1.15)"]),
+        (light, ["on single rollers", "n d_m is 1.4e+06 mm/min"]),
+    ):
         warnings = "\n".join(rating(scene(*settings)).warnings)
         assert all(each in warnings for each in words), settings
 

@@ -211,8 +211,7 @@ class Case:
         return life.required_capacity(positive(self.load, "none is needed"), turns, self.exponent)
 
     def flange_limit(self) -> float:  # N
-        if self.given.flange_height is None:
-            raise NotAsked("no flanges of both rings")
+        _ = self.given.flange_height or _not_asked("no flanges of both rings")
         static, sizes = self.basic.static, self.diameters
         return equivalent.flange_limit(static, *sizes, self.rpm, self.radial_mean, self.series)
 
@@ -239,16 +238,12 @@ class Case:
 
     @cached_property
     def balance(self) -> Balance:  # of rows on rigid rings at the first angle, under axial load and moment
+        first, acting = self.operation.first_roller_angle, self.on_bearing
+        force = load_factor(self.bearing) * np.array([acting.side_load, -acting.radial_load - self.weight])
         if self.in_plane:
             force = np.array([0.0, -self.radial_mean])
         elif self.mounting.shaft is not None:
-            raise Unavailable(
-                "the shaft's springs are those of the plane: not with axial load, moment or mirrored rows"
-            )
-        else:
-            acting = self.on_bearing
-            force = load_factor(self.bearing) * np.array([acting.side_load, -acting.radial_load - self.weight])
-        first = self.operation.first_roller_angle
+            raise Unavailable("a shaft on springs: not with axial load, tilting moment or mirrored rows")
         return at_rest(self.bearing, force, self.given, self.laws, first, True if self.balls else self.profile)
 
     in_space = property(lambda self: _not_asked(PLANAR) if self.in_plane else self.balance)
@@ -276,8 +271,7 @@ class Case:
 
     def contact_angles(self) -> list[float]:
         """Of loaded elements, least and largest, degrees."""
-        if not self.balls:
-            raise NotAsked("rollers keep their contact angle")
+        _ = self.balls or _not_asked("rollers keep their contact angle")
         loaded = np.concatenate([np.degrees(np.abs(row.angle[row.loads > 0.0])) for row in self.in_space.rows])
         return [float(loaded.min()), float(loaded.max())] if loaded.size else _refuse("nothing is loaded")
 
@@ -396,8 +390,7 @@ class Case:
 
     def torque(self, model: Callable[..., Torque], rpm: float) -> Torque:
         life.caged_cylinders(self.row)
-        series = dimension_series(self.scene.bearing.designation)
-        return model(*self.diameters, self.load, rpm, self.viscosity, series)
+        return model(*self.diameters, self.load, rpm, self.viscosity, self.series)
 
     torques = cached_property(lambda self: {name: self.torque(law, self.rpm) for name, law in life.FRICTION.items()})
 
@@ -436,8 +429,7 @@ class Case:
     def at_hub(self) -> np.ndarray:
         """Of the hub against the ground, N/m: bearing and housing behind each other, beside the shaft's springs."""
         housing, shaft = self.mounting.housing, self.mounting.shaft
-        if housing is None and shaft is None:
-            raise NotAsked("the scene has neither a housing nor a shaft on springs")
+        _ = housing or shaft or _not_asked("the scene has neither a housing nor a shaft on springs")
         beside = 0.0 if shaft is None else stiffness_factor(self.bearing) * shaft.stiffness
         return (self.stiffness if housing is None else self.with_housing) + beside * np.eye(2)
 
@@ -500,15 +492,15 @@ class Case:
         return found
 
 
-def _refuse(reason: str) -> Any:
+def _refuse(reason):
     raise Unavailable(reason)
 
 
-def _not_asked(reason: str) -> Any:
+def _not_asked(reason):
     raise NotAsked(reason)
 
 
-def _only(factors: dict[float, Factors]) -> Factors:
+def _only(factors):
     if not factors:
         raise NotAsked("no axial load")
     return next(iter(factors.values())) if len(factors) == 1 else _refuse("they differ from step to step")
@@ -541,7 +533,7 @@ s = sources
 Row = tuple[str, str, str, Source, Callable[[Case], Any]]
 
 
-def _life(name: str, meaning: str, source: Source, of: Callable[[Case], float]) -> tuple[Row, Row]:
+def _life(name, meaning, source, of):
     """In revolutions and in hours."""
     hours = f"{name}_h", "h", meaning, source, lambda c: in_hours(of(c), c.rpm)
     return (f"{name}_Mrev", "Mrev", meaning, source, of), hours
@@ -690,15 +682,13 @@ class Rating(Mapping[str, Any]):
         reasons = {name: answer.reason for name, answer in self.answers.items() if answer.reason}
         parts = self["operating_clearance_parts_um"].items()
         reasons |= {f"operating_clearance_parts_um.{name}": NO_FIT for name, part in parts if part is None}
-        sources = {
-            name: {"source": f"{by.name}: {by.text}", "second_hand": by.second_hand or None}
-            for name, by in ((answer.name, answer.source) for answer in self.answers.values())
-        }
+        sources = {name: {"source": f"{of.source.name}: {of.source.text}", "second_hand": of.source.second_hand or None}
+                   for name, of in self.answers.items()}  # fmt: skip
         values = {name: _plain(value) for name, value in self.items()}
         return values | {"warnings": list(self.warnings), "reasons": reasons, "sources": sources}
 
 
-def _plain(value: Any) -> Any:  # for JSON: arrays as lists, what is infinite or no number as null
+def _plain(value):  # for JSON: arrays as lists, what is infinite or no number as null
     if isinstance(value, dict):
         return {name: _plain(each) for name, each in value.items()}
     if isinstance(value, np.ndarray | list | tuple):
@@ -720,9 +710,7 @@ def values_of(scene: Scene, names: Collection[str]) -> dict[str, float]:
     return {answer.name: nan if answer.value is None else float(answer.value) for answer in found}
 
 
-def _answer(
-    case: Case, block: str, name: str, unit: str, meaning: str, source: Source, compute: Callable[[Case], Any]
-) -> Answer:
+def _answer(case, block, name, unit, meaning, source, compute):
     value, reason, asked = None, "", True
     try:
         value = compute(case)
@@ -736,7 +724,7 @@ def _answer(
     return Answer(block, name, value, unit, meaning, source, reason, asked)
 
 
-def _differing(case: Case, ratio: float) -> Iterator[str]:
+def _differing(case, ratio):
     """Why L10r and L10 differ, where they do by more than DIFFERING times, and which to use."""
     given, clearance = case.given, 2e6 * case.bearing.radial_clearance / case.bearing.cosine
     causes = [words for there, words in (
@@ -751,15 +739,12 @@ def _differing(case: Case, ratio: float) -> Iterator[str]:
         yield f"L10r is {ratio:.2g} times L10: {why}{', with ' * bool(causes)}{' and '.join(causes)}; use {use}"
 
 
-def _warnings(case: Case, values: dict[str, Any]) -> Iterator[str]:
+def _warnings(case, values):
     stiff, rated, load = values["stiffness_N_per_m"] is not None, values["C_N"], values["P_N"] or 0.0
     bearing, operation, slope = case.bearing, case.operation, 1e3 * case.operation.misalignment
     rpm = max(*(abs(speed) / RPM for speed in operation.ring_speeds), values["speed_rpm"] or 0.0)
     if stiff and case.in_plane and not case.pitch.is_stable:
-        yield (
-            "the stiffness across the load is not positive at every cage angle: the hub balances on single rollers, "
-            "and the mean matrix is of little use; raise the load or reduce the clearance"
-        )
+        yield "at some cage angles the hub balances on single rollers: raise the load or reduce the clearance"
     if values["s0"] is not None and values["s0"] < 1.0:
         yield f"static safety {values['s0']:.2f} is below 1: permanent dents in the raceways"
     if rated is not None and load > 0.5 * rated:
@@ -777,34 +762,20 @@ def _warnings(case: Case, values: dict[str, Any]) -> Iterator[str]:
         yield "speed or load changes with time: stiffness, stresses and film are those at its start"
     if bearing.contact_angle and bearing.rows == 1 and stiff and case.in_plane:
         axial = float(case.pitch.inner_force.sum(axis=1).mean()) * sin(bearing.contact_angle)
-        yield (
-            f"through the contact angle the radial load causes an axial force of {axial:.4g} N (Σ Q sin α), which "
-            "another bearing must carry, or operation.axial_load_N"
-        )
+        yield f"the radial load causes an axial force of {axial:.4g} N (Σ Q sin α), which another bearing must carry"
     if case.balls and not case.in_plane and 2e3 * bearing.pitch_radius * rpm > NEGLIGIBLE:
-        yield (
-            f"n d_m is {2e3 * bearing.pitch_radius * rpm:.2g} mm/min: beyond {NEGLIGIBLE:.0f} centrifugal forces part "
-            "the contact angles of balls, which is not computed"
-        )
+        yield f"n d_m is beyond {NEGLIGIBLE:.0f} mm/min: there centrifugal forces, left out, part the contact angles"
     if case.oscillation:
         yield f"{case.oscillation}: L10 from the mean speed is of little use, and no lubricant is drawn in"
-    if bearing.rows > 1 and rated is not None and not case.balls:
-        yield (
-            f"rows = {bearing.rows} share the load equally, with b_m = 1.1 for cylindrical and tapered rollers; "
-            "spherical roller bearings (b_m = 1.15) are not supported"
-        )
-    if abs(slope) > 1e3 * ALLOWED_SLOPE:
-        yield (
-            f"a slope of {slope:.3g} mrad is beyond the 4 minutes of arc, {1e3 * ALLOWED_SLOPE:.2g} mrad, that "
-            "catalogues allow cylindrical rollers"
-        )
+    if bearing.rows > 1 and rated is not None and not (case.balls or case.mirrored):
+        yield f"{bearing.rows} rows share the load equally, with b_m = 1.1; spherical rollers (1.15) are not supported"
+    if abs(slope) > 1e3 * ALLOWED_SLOPE and not (case.balls or bearing.contact_angle):
+        yield f"a slope of {slope:.3g} mrad is beyond the 4 minutes of arc that catalogues allow cylindrical rollers"
     if fast := life.speed_warning(bearing, rpm):
         yield f"{fast}, and friction and temperature are extrapolated"
     if case.options.cycle is not None:
-        yield (
-            f"stiffness, stresses and film are those of the scene's load, {operation.radial_load:.4g} N, not of "
-            f"the duty cycle, whose largest load is {case.options.cycle.loads.max():.4g} N"
-        )
+        own, most = operation.radial_load, case.options.cycle.loads.max()
+        yield f"stiffness, stresses and film are of the scene's load, {own:.4g} N, not of the duty cycle's {most:.4g} N"
     if values["kappa"] is not None and values["kappa"] < 1.0:
         yield f"κ = {values['kappa']:.2g}: mixed lubrication, surfaces touch; a higher viscosity raises κ"
     if case.options.rotor and not case.scene.damping.contacts.acts:

@@ -26,7 +26,7 @@ from lagrange.surface.deviation import UNTURNED
 TILTED_SAMPLES = 16  # cage angles in a pitch
 
 
-def _refuse_rigid(bearing: Bearing) -> None:
+def _refuse_rigid(bearing):
     if bearing.roller.rigid or bearing.inner_ring.rigid or bearing.outer_ring.rigid:
         raise Unavailable("[bodies]: elastic rings need elastic bodies; one is rigid")
 
@@ -44,7 +44,7 @@ def elastic_pitch(
     n, motion = bearing.n_rollers, kinematics(bearing, *operation.ring_speeds)
     model, loads = reduced_bearing(bearing, motion, operation.gravity), Loads.of(operation, motion.cage)
 
-    def solve(angles: np.ndarray, near: Point | None) -> Point:
+    def solve(angles, near):
         contacts = model.at(angles, UNTURNED)
         if near is None:
             start, forces = first_guess(bearing, contacts.radial, loads.hub, loads.side_load), None
@@ -140,9 +140,7 @@ def tilted_pitch(
     return answer
 
 
-def _tilted_pitch(
-    bearing: Bearing, axial: Axial, still: Operation, laws: ContactLaws | None, samples: int
-) -> TiltedPitch:
+def _tilted_pitch(bearing, axial, still, laws, samples):
     """Whatever the slices' width. Unavailable."""
     hub, found, elastic = hub_tilt(still, axial), [], None
     try:
@@ -169,7 +167,7 @@ def _tilted_pitch(
     return TiltedPitch(bearing=bearing, axial=axial, pitch=pitch, statics=tuple(found), slices=slices)
 
 
-def _pushed(bearing: Bearing, slices: Slices, operation: Operation, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _pushed(bearing, slices, operation, angle):
     """The hub where one roller carries the load, and radii of rollers midway."""
     load = np.array([float(operation.side_load), -float(operation.radial_load)])
     size = max(float(np.hypot(*load)), 1e-3)

@@ -12,7 +12,6 @@ from lagrange.kinematics import roller_angles
 from lagrange.rating.life import FRICTION, power_loss
 from lagrange.rating.reference_life import positions, rigid_loads
 from lagrange.rating.sources import Unavailable
-from lagrange.rating.stiffness import Pitch
 from residual.figures import LOOK, WIDTH, Drawing, finished
 from residual.formatting import BLUE, GREEN, GREY, ORANGE, RED
 
@@ -36,7 +35,7 @@ def rating_figures(case: Case) -> list[Drawing]:
     return found
 
 
-def _contacts(case: Case) -> list[tuple[bool, str, Pitch, str]]:
+def _contacts(case):
     """Whether elastic, words, equilibria and colour of what there is: elastic rings, rigid ones on a law."""
     found = []
     rigid = f"rigid rings, {case.laws.inner.name}"
@@ -46,7 +45,7 @@ def _contacts(case: Case) -> list[tuple[bool, str, Pitch, str]]:
     return found
 
 
-def _clearance(case: Case) -> Drawing:  # parts of the operating clearance, one hanging from the other
+def _clearance(case):  # parts of the operating clearance, one hanging from the other
     found = case.build_up
     figure, axis = plt.subplots(figsize=(WIDTH, 2.7))
     rows, level = found.rows(), 0.0
@@ -65,7 +64,7 @@ def _clearance(case: Case) -> Drawing:  # parts of the operating clearance, one 
     return finished(figure, "clearance", "Operating clearance", caption)
 
 
-def _rows(case: Case) -> Drawing:  # under axial load: loads around the load, and contact angles or loads along a roller
+def _rows(case):  # under axial load: loads around the load, and contact angles or loads along a roller
     rows, colours = case.in_space.rows, (BLUE, ORANGE, GREEN, RED)
     place = np.degrees(np.angle(1j * np.exp(1j * roller_angles(case.bearing, case.operation.first_roller_angle))))
     figure, (loads, others) = plt.subplots(1, 2, figsize=(WIDTH, 2.9))
@@ -94,7 +93,7 @@ def _rows(case: Case) -> Drawing:  # under axial load: loads around the load, an
     return finished(figure, "rows", "Loads of rolling elements", caption)
 
 
-def _load_zone(case: Case) -> Drawing:  # roller loads and pressures around the load
+def _load_zone(case):  # roller loads and pressures around the load
     row, inner = case.row, contact_pairs(case.bearing)[0]
     load = positive(case.static_load, "there is no load zone")
     turned = 2.0 * np.pi / row.rollers * np.arange(FEW) / FEW
@@ -116,7 +115,7 @@ def _load_zone(case: Case) -> Drawing:  # roller loads and pressures around the 
     return finished(figure, "load-zone", "Load zone", caption)
 
 
-def _stiffness(case: Case) -> Drawing:
+def _stiffness(case):
     if not (found := _contacts(case)):
         raise Unavailable("no equilibrium")
     figure, axes = plt.subplots(1, 3, figsize=(WIDTH, 2.6))
@@ -134,7 +133,7 @@ def _stiffness(case: Case) -> Drawing:
     return finished(figure, "stiffness", "Stiffness over a pitch", caption)
 
 
-def _load_deflection(case: Case) -> Drawing:
+def _load_deflection(case):
     acting, found = case.on_bearing, _contacts(case)
     if not (found and case.static_load > 0.0):
         raise Unavailable("no load or no equilibrium, no curve")
@@ -152,7 +151,7 @@ def _load_deflection(case: Case) -> Drawing:
     return finished(figure, "load-deflection", "Load and deflection", caption)
 
 
-def _life(case: Case) -> Drawing:
+def _life(case):
     case.refuse_space()
     row, load, own = case.row, case.section_load, 2e3 * case.bearing.radial_clearance
     clearances = np.union1d(np.linspace(PRELOAD, PLAY, 35) * row.diameter, [own])
@@ -169,7 +168,7 @@ def _life(case: Case) -> Drawing:
     return _lives(*x, curves, mark, ("life", "Life over load and clearance", caption))
 
 
-def _misalignment(case: Case) -> Drawing:
+def _misalignment(case):
     tilts, curves, mark = np.linspace(0.0, TILTED, 25), [], None
     kinds: list[tuple] = [(True, BLUE, "-", "logarithmic profile"), (False, RED, "-", "straight rollers")]
     if case.axial is not None:
@@ -183,7 +182,7 @@ def _misalignment(case: Case) -> Drawing:
     return _lives(1e3 * tilts, "misalignment, mrad", curves, mark, about)
 
 
-def _lives(x: np.ndarray, label: str, curves: list, mark: tuple | None, about: tuple[str, str, str]) -> Drawing:
+def _lives(x, label, curves, mark, about):
     """Lives over x, with a line at the scene's."""
     figure, axis = plt.subplots(figsize=(WIDTH, 2.9))
     for lives, colour, style, words in curves:
@@ -196,7 +195,7 @@ def _lives(x: np.ndarray, label: str, curves: list, mark: tuple | None, about: t
     return finished(figure, *about)
 
 
-def _friction(case: Case) -> Drawing:
+def _friction(case):
     _ = case.torques
     fastest = FASTER * case.rpm if case.rpm > 0.0 else 1000.0
     speeds, viscosity = np.linspace(0.0, fastest, 60), case.viscosity

@@ -2,17 +2,16 @@
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from datetime import date
 from itertools import groupby, zip_longest
 from pathlib import Path
 from textwrap import wrap
-from typing import Any
 
 import numpy as np
 
-from fem.rating.answers import BULKY, Answer, Rating
-from fem.rating.sheet import MIXED, Line, in_words, missing, number, ratings_in_words, sheet
+from fem.rating.answers import BULKY, Rating
+from fem.rating.sheet import MIXED, in_words, missing, number, ratings_in_words, sheet
 from lagrange.files.output import load_matplotlib, render_page, write_whole
 from lagrange.messages import Section, engineering, shown
 from lagrange.version import VERSION
@@ -47,7 +46,7 @@ def print_rating(rating: Rating) -> None:
         console.print(shown(line), soft_wrap=True, markup=False)
 
 
-def _lines(lines: list[Line], width: int) -> list[str]:  # of a block
+def _lines(lines, width):  # of a block
     found, right = [], width - LABEL
     for line in lines:
         labels, values = wrap(line.meaning, LABEL - 1), line.value.split("\n")
@@ -61,7 +60,7 @@ def _lines(lines: list[Line], width: int) -> list[str]:  # of a block
     return found
 
 
-def _column(blocks: list[tuple[str, list[str]]]) -> Any:  # a text of rich
+def _column(blocks):  # a text of rich
     from rich.text import Text
 
     text = Text()
@@ -71,7 +70,7 @@ def _column(blocks: list[tuple[str, list[str]]]) -> Any:  # a text of rich
     return text
 
 
-def _notes(rating: Rating) -> list[str]:
+def _notes(rating):
     lacking = (f"not computed: {meanings}: {reason}" for reason, meanings in missing(rating).items())
     return [*ratings_in_words(rating), *lacking, *(f"warning: {warning}" for warning in rating.warnings)]
 
@@ -104,19 +103,19 @@ def write_page(path: Path, rating: Rating) -> None:
            figures=rating_figures(rating.case))  # fmt: skip
 
 
-def _write(path: Path, name: str, ratings: Sequence[Rating], **values: Any) -> None:
+def _write(path, name, ratings, **values):
     scenes = {rating.name: rating.scene.to_toml() for rating in ratings}
     text = render_page(TEMPLATE, name=name, today=date.today().isoformat(), version=VERSION, scenes=scenes,
                        notes=NOTES, **values)  # fmt: skip
     write_whole(path, text.encode())
 
 
-def _stress(key: str) -> str:
+def _stress(key):
     name, _, unit = key.rpartition("_")
     return f"{name.replace('_', ' ').replace('von mises', 'von Mises stress')}, {unit.replace('um', 'µm')}"
 
 
-def _verdict(rating: Rating) -> str:  # the first sentence
+def _verdict(rating):  # the first sentence
     if rating["C_N"] is None:
         return f"No load ratings: {rating.answers['C_N'].reason}."
     found = (rating.answers[name] for name in VERDICT)
@@ -141,7 +140,7 @@ def compared(ratings: Mapping[str, Rating]) -> Iterator[Section]:
         yield Section(("", *ratings), rows, block.capitalize())
 
 
-def _cell(answer: Answer) -> str:
+def _cell(answer):
     value, factor = answer.value, engineering(answer.unit)[0]
     if value is None or np.ndim(value) > 2:
         return "–"

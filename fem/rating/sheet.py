@@ -53,11 +53,11 @@ def number(value: Any, factor: float = 1.0) -> str:
     return f"{scaled:.4g}" if abs(scaled) < 1e4 or abs(scaled) >= 1e7 else f"{scaled:.0f}"
 
 
-def _rounded(values: np.ndarray) -> np.ndarray:  # 0 in place of the round-off of what symmetry makes 0
+def _rounded(values):  # 0 in place of the round-off of what symmetry makes 0
     return np.where(np.abs(values) < 1e-9 * np.max(np.abs(values)), 0.0, values)
 
 
-def _matrix(value: np.ndarray, unit: str) -> str:
+def _matrix(value, unit):
     """Lines with entries below each other; of lowest and highest ones, a line an entry."""
     factor, words = engineering(unit)
     if value.ndim == 3:

@@ -38,7 +38,6 @@ LONGEST_STEP, FARTHEST = 0.02, 1.0  # of an element's diameter: one step, and th
 SETTLED, NEAREST = 1e-11, 1e-15  # of the load left, and of a step over a diameter, where it ends
 LOOSE = 1e-10  # of the stiffness, in directions in which nothing bears
 OVERSHOOT = 0.9  # of the load along a step, that may act against it at its end
-DIRECTIONS = "x", "y", "z", "tilt about x", "tilt about y"
 
 
 class Reaction(NamedTuple):
@@ -80,9 +79,6 @@ class Row:
         found[:, :, 0, 3], found[:, :, 0, 4] = -axial * sine, axial * cosine
         found[:, :, 1, 3], found[:, :, 1, 4] = self.side * radius * sine, -self.side * radius * cosine
         return found
-
-    def at(self, hub: ndarray) -> Reaction:
-        raise NotImplementedError
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -170,7 +166,7 @@ class FlangedRow(RollerRow):
 class Balance(NamedTuple):
     """An equilibrium."""
 
-    hub: ndarray  # (5,), mm and rad, by DIRECTIONS
+    hub: ndarray  # (5,), mm and rad: x, y, z, tilts about x and y
     rows: tuple[Reaction, ...]
     kept: ndarray  # directions, ascending, in which the hub is free
 
@@ -185,14 +181,14 @@ class Balance(NamedTuple):
         return np.sum([row.stiffness for row in self.rows], axis=0)
 
     def condensed(self, *directions: int) -> ndarray:
-        """Stiffness in some of DIRECTIONS, N/mm, N, N mm, the hub's other free ones in balance."""
+        """Stiffness in some directions, N/mm, N, N mm, the hub's other free ones in balance."""
         these, others = list(directions), np.setdiff1d(self.kept, directions)
         along = self.stiffness[:, these]
         follow = np.linalg.lstsq(self.stiffness[np.ix_(others, others)], along[others])[0]
         return along[these] - along[others].T @ follow
 
 
-def balanced(rows: Sequence[Row], load: ndarray, free: Sequence[bool], start: ndarray) -> Balance:
+def balanced(rows: Sequence[BallRow | RollerRow], load: ndarray, free: Sequence[bool], start: ndarray) -> Balance:
     """The hub under a load, (5,), N and N mm, where it is free, (5,); elsewhere it stays at the start, (5,).
 
     Newton's method on a convex energy, with short steps where nothing bears. Unavailable: the hub runs away.
@@ -227,7 +223,7 @@ def balanced(rows: Sequence[Row], load: ndarray, free: Sequence[bool], start: nd
 
 def rows_of(
     bearing: Bearing, given: RowLoads, laws: ContactLaws, place: ndarray, drop: ndarray | bool = True
-) -> list[Row]:
+) -> list[BallRow | RollerRow]:
     """Of a bearing whose elements are at angles from +x, (n,), rad: one for each of its rows.
 
     laws : of balls; rollers have the standard's, with `drop` as `laminae_of` takes it
@@ -236,7 +232,7 @@ def rows_of(
     same: dict[str, Any] = {"place": place, "diameter": diameter, "pitch": 1e3 * bearing.pitch_radius,
         "angle": bearing.contact_angle, "gap": 1e3 * bearing.radial_clearance,
         "side": -1 if given.axial_load < 0.0 else 1}  # fmt: skip
-    row: Row
+    row: BallRow | RollerRow
     if isinstance(bearing, BallBearing):
         inner, outer = laws
         assert isinstance(inner, PowerLaw)
@@ -281,13 +277,8 @@ def at_rest(
     except Unavailable:
         if angle == 0.0:
             raise
-    radial, name = float(np.hypot(*force)), f"at {bearing.contact_angle_deg:.4g}°"
+    radial, slides_open = float(np.hypot(*force)), f"at {bearing.contact_angle_deg:.4g}° a row slides open"
     if given.arrangement is not None or exceeds(abs(given.axial_load), radial * tan(angle)):
-        raise Unavailable(
-            f"a row {name} slides open under this tilt or moment; lower it, raise the axial load or the preload, or "
-            "choose another bearing.arrangement"
-        )
-    raise Unavailable(
-        f"the row slides open along the axis: {name} a radial load of {radial:.0f} N needs an axial load of "
-        f"{radial * tan(angle):.0f} N at least; raise operation.axial_load_N, or give bearing.arrangement with rows = 2"
-    )
+        raise Unavailable(f"{slides_open} under this tilt or moment; raise the axial load or the preload")
+    least = f"{radial:.0f} N of radial load need {radial * tan(angle):.0f} N of axial load at least"
+    raise Unavailable(f"{slides_open}: {least}; raise it, or give bearing.arrangement with rows = 2")

@@ -9,12 +9,10 @@ import numpy as np
 import sympy as sp
 from scipy.integrate import solve_ivp
 
-from lagrange.bearing import Bearing, Operation
 from lagrange.columns import columns_of
 from lagrange.first_state import Problem, sampled
 from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.motion import (
-    HubTilt,
     State,
     Tilts,
     accelerations,
@@ -26,7 +24,6 @@ from lagrange.motion import (
     tilt_equations,
 )
 from lagrange.mounting import PARTS
-from lagrange.step_size import critical_time_step
 from lagrange.surface.deviation import Turns
 
 # ---- Lagrange's equations derived from T and V by computer algebra, evaluated with 40 digits. T and V are typed in
@@ -162,10 +159,7 @@ class Motion:
             return None
         n = self.n
         tilt, (bx, by), rate, (vx, vy) = np.split(unknowns[8 + 4 * n : 12 + 6 * n], [n, n + 2, 2 * n + 2])
-        return Tilts(
-            tilt=tilt.T, tilt_rate=rate.T,
-            slope_x=bx, slope_y=by, slope_x_rate=vx, slope_y_rate=vy,
-        )  # fmt: skip
+        return Tilts(tilt=tilt.T, tilt_rate=rate.T, slope_x=bx, slope_y=by, slope_x_rate=vx, slope_y_rate=vy)
 
     def state(self, time, unknowns: np.ndarray) -> State:
         """Generalised coordinates at a time, s, or of unknowns, (n_unknowns, n_times), at times, (n_times,)."""
@@ -205,16 +199,17 @@ class Motion:
         found = np.empty_like(unknowns)
         tilts, hub = state.tilts, problem.hub_tilt
         if tilts is not None and hub is not None:
-            if not self.held:
-                theta = guided_theta(bearing, acting, state, touch, theta)
-            around = gain if self.held else theta
-            guide = guide_moment(bearing, acting, state, touch, around)
+            inertia, first = roller_inertias(bearing)[0], 2 * places
+            if not self.held:  # guides push back on what turns rollers: m ρ² θ̈ = … + τ (guide's moment)
+                turning = bearing.roller_mass * state.rho**2
+                _, guide = tilt_equations(bearing, acting, state, touch, 0.0, 0.0)
+                theta = (turning * theta + tilts.tilt * guide) / (turning + inertia * tilts.tilt**2)
+            left, guide = tilt_equations(bearing, acting, state, touch, 0.0, gain if self.held else theta)
             driven -= np.sum(state.theta_rate * tilts.tilt * guide) if self.held else 0.0
-            first = 2 * places
             found[first : first + n + 2] = unknowns[first + n + 2 : first + 2 * n + 4]
-            found[first + n + 2 : first + 2 * n + 2] = tilt_accelerations(bearing, acting, state, touch, around)
-            slopes = hub_slope_accelerations(bearing, acting, hub, state, touch)
-            found[first + 2 * n + 2 : first + 2 * n + 4] = slopes
+            found[first + n + 2 : first + 2 * n + 2] = -left / inertia
+            slopes = np.array(hub_slope_equations(bearing, acting, hub, state, touch, 0.0, 0.0))
+            found[first + 2 * n + 2 : first + 2 * n + 4] = -slopes / hub.inertia if hub.is_free else 0.0
         found[:places] = unknowns[places : 2 * places]
         found[places : places + 4] = x - ring[0], y - ring[1], *ring
         found[places + 4 : places + 4 + n] = rho
@@ -224,45 +219,18 @@ class Motion:
         return found
 
 
-def tilt_accelerations(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:
-    """τ̈ of rollers that are guided against skew, rad/s²."""
-    left, _ = tilt_equations(bearing, operation, state, contacts, 0.0, theta_acc)
-    return -left / roller_inertias(bearing)[0]
-
-
-def guide_moment(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:
-    """Moment that keeps rollers from skewing, N m: > 0 pushes their +z end backwards."""
-    return tilt_equations(bearing, operation, state, contacts, 0.0, theta_acc)[1]
-
-
-def guided_theta(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:
-    """θ̈ of free rollers, rad/s², whose guides push back on what turns them: m ρ² θ̈ = … + τ (guide's moment)."""
-    tilt, turning = state.tilts.tilt, bearing.roller_mass * state.rho**2
-    push = turning * theta_acc + tilt * guide_moment(bearing, operation, state, contacts, 0.0)
-    return push / (turning + roller_inertias(bearing)[0] * tilt**2)
-
-
-def hub_slope_accelerations(bearing: Bearing, operation: Operation, hub: HubTilt, state: Any, contacts: Any):
-    """b̈ along x and y, rad/s²; 0 of a hub whose slope is held."""
-    if not hub.is_free:
-        return np.zeros_like(np.asarray(state.tilts.slope_x)), np.zeros_like(np.asarray(state.tilts.slope_y))
-    x, y = hub_slope_equations(bearing, operation, hub, state, contacts, 0.0, 0.0)
-    return -x / hub.inertia, -y / hub.inertia
-
-
-def simulate(problem: Problem, duration: float, interval: float, *, time_step: float = LONGEST) -> SimpleNamespace:
+def simulate(problem: Problem, duration: float, interval: float) -> SimpleNamespace:
     """Integrate (21)-(23), with the angles from kinematics (20) or free (the θ equation).
 
     Parameters
     ----------
     duration, interval : float, s; samples at 0, interval, … up to the duration
-    time_step : float, s, the longest; beyond LONGEST it is LONGEST
 
     Returns
     -------
     Columns by the result file's names, 0 of a housing, a shaft's springs and a sensor that are not there, those of a
-    cage under `cage`; rates of the coordinates; works, J; the energy that the integration has made since the start; its
-    steps, and the longest of them, s.
+    cage under `cage`; rates of the coordinates; works, J; the energy that the integration has made since the start, and
+    its steps.
 
     Errors
     ------
@@ -279,7 +247,7 @@ def simulate(problem: Problem, duration: float, interval: float, *, time_step: f
     stiff = max(0.0 if part is None else part.damping for part in (shaft, housing)) > STIFF * operation.inner_mass
     found = solve_ivp(
         motion.rate, (0.0, time[-1]), motion.start, "Radau" if stiff else "DOP853", dense_output=True, rtol=RELATIVE,
-        atol=motion.tolerance, max_step=min(LONGEST, time_step),
+        atol=motion.tolerance, max_step=LONGEST,
     )  # fmt: skip
     if not found.success:
         raise RuntimeError(found.message)
@@ -299,13 +267,9 @@ def simulate(problem: Problem, duration: float, interval: float, *, time_step: f
     energy = sum(part[f"energy_{name}"] for name in ("kinetic", "contact", "shaft", "support"))
     work_external, lost = load + work_gravity + work_cage, by_contacts + by_dashpots
     return SimpleNamespace(
-        **part, bearing=bearing, operation=operation, laws=problem.laws, cage=SimpleNamespace(**cage) if cage else None,
-        roller_rho_rate=state.rho_rate, roller_theta_rate=state.theta_rate,
-        inner_damper=part["inner_damping_force"], outer_damper=part["outer_damping_force"],
-        work_load=load, work_cage=work_cage, work_external=work_external, work_dissipated=lost,
+        **part, cage=SimpleNamespace(**cage) if cage else None, roller_rho_rate=state.rho_rate,
+        roller_theta_rate=state.theta_rate, work_cage=work_cage, work_external=work_external, work_dissipated=lost,
         work_damping=by_contacts, energy_error=energy - energy[0] - work_external + lost,
         roller_spin=kinematics(bearing, *operation.at(time).ring_speeds).roller,
-        roller_turn=np.asarray(turned(bearing, operation, time).roller),
-        time_step=float(np.diff(found.t).max(initial=0.0)), steps=found.t.size - 1 if time.size > 1 else 0,
-        critical_time_step=critical_time_step(problem, part["inner_force"].max(), part["outer_force"].max()),
+        steps=found.t.size - 1 if time.size > 1 else 0,
     )  # fmt: skip

@@ -26,7 +26,7 @@ from fem.statics import exact_statics
 from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium
 from lagrange.scene.run import STIFF_PENALTY, ContactTable
-from lagrange.scene.scene import Scene, parse_scene, parse_scene_text
+from lagrange.scene.scene import parse_scene
 from tests.reference import compiled, kit
 from tests.reference.compiled import DT, press, random_state, roller_field, set_turns
 from tests.reference.continua import impact_on_rigid_flat
@@ -303,6 +303,7 @@ def test_a_scene_gets_its_model_and_exact_statics_are_solved_once_at_most(
     scene, calls, solve = parse_scene(scene, "test"), [], exact_statics.exact_statics
     monkeypatch.setattr(exact_statics, "exact_statics", lambda *args: calls.append(args) or solve(*args))
     assert type(model_of(scene)) is kind
+    assert scene.contact.penalty_stiffness_N_per_m == (STIFF_PENALTY if contact in ("penalty", "faceted") else None)
     if statics is not None:
         calls.clear()
         make_plan(scene)
@@ -534,10 +535,3 @@ def test_runs_balance_their_energy(name, limit, friction):
     assert_allclose(values["energy_contact"], stored, rtol=1e-9, atol=1e-12)
     spread = np.ptp(values["inner_y"])
     assert (spread > 50e-6) if name == "faceted" else (spread < 5e-6)
-
-
-def test_only_comparison_models_have_a_spring():
-    assert Scene().contact.model == "subgrid" and "penalty" not in Scene().to_toml()
-    stiff = parse_scene({"contact": {"model": "faceted"}}, "s")
-    assert stiff.contact.penalty_stiffness_N_per_m == STIFF_PENALTY
-    assert parse_scene_text(stiff.to_toml(), "again") == stiff

@@ -4,14 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numba import njit
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.optimize import curve_fit
 
 from fem.interface import simulate as run_scene
 from fem.kernels.elements.damping import damp_bodies
 from fem.kernels.elements.rings import HALO
-from fem.kernels.jit import OPTIONS
+from fem.kernels.jit import kernel
 from fem.kernels.mounts import Housing
 from fem.result.checkpoint import load_checkpoint, save_checkpoint
 from fem.result.store import Stored, variables_of
@@ -238,9 +237,7 @@ IN_PLAY = {"kind": "bore", "fit_clearance_um": 20.0}
 COARSE = {"mesh_size_mm": 2.0}
 
 
-@njit(**OPTIONS)
-def damp_once(bodies, drive, damping):
-    damp_bodies(bodies, drive, damping)
+damp_once = kernel(damp_bodies)
 
 
 def outer_ring(support):

@@ -8,7 +8,7 @@ from fem.solver.elements.plan import LUMPED
 from fem.solver.simulate import make_plan
 from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force
 from lagrange.errors import RunFailed
-from lagrange.scene.scene import parse_scene_text, read_scene
+from lagrange.scene.scene import read_scene
 from tests.reference.kit import assert_refused
 
 
@@ -18,15 +18,9 @@ def test_a_damper_s_coefficient_is_that_of_its_law_and_with_its_spring_it_never_
     np.testing.assert_allclose(ContactDamping(hunt_crossley=2.0).coefficient(force, stiffness), [300.0, 1200.0])
     np.testing.assert_array_equal(ContactDamping(constant=7.0).coefficient(force, stiffness), 7.0)
     assert not UNDAMPED.acts
+    assert read_scene(None, ("damping.contact_time_us=12",)).damping.contacts == ContactDamping(time=1e-6 * 12.0)
     found = damper_force(np.array([1.0, 1.0, 1.0, 0.0]), np.array([0.5, -0.2, -3.0, 5.0]), 2.0)
     np.testing.assert_array_equal(found, [1.0, -0.4, -1.0, 0.0])
-
-
-def test_a_scene_without_damping_says_nothing_of_it():
-    assert "damping" not in read_scene().to_toml()
-    damped = read_scene(None, ("damping.contact_time_us=12",))
-    assert damped.damping.contacts == ContactDamping(time=1e-6 * 12.0)
-    assert parse_scene_text(damped.to_toml(), "again") == damped
 
 
 @pytest.mark.parametrize(("settings", "words"), [

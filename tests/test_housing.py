@@ -81,9 +81,7 @@ def test_the_sensor_is_a_resonator_that_its_housing_shakes():
     within(run.sensor_ay, lsim(system, run.housing_ay, run.time)[1], 1e-3 * np.abs(run.sensor_ay).max())
 
 
-def test_tables_survive_as_text_and_absent_ones_are_not_in_it():
-    plain = Scene().to_toml().replace("inner_ring_and_shaft_kg", "")
-    assert not any(word in plain for word in ("[support]", "[sensor]", "shaft"))
+def test_tables_survive_as_text():
     pressed = PEDESTAL | {"fit_clearance_um": -12.0, "bore_stiffness_N_per_mm3": 2000.0}
     mountings = []
     for tables in (

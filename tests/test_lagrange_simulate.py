@@ -27,12 +27,8 @@ from tests.reference.forward_motion import derived_equations, simulate
 from tests.reference.kit import DGBB_209, DOWN, HARRIS, PAPER, PRELOADED, RUNNING, spall, wavy
 
 ENERGY = 1e-8  # of the elastic energy
-MOUNTED = replace(
-    RUNNING,
-    mounting=Mounting(
-        housing=Housing(mass=0.5, stiffness=2e8, damping=4000.0), shaft=Shaft(stiffness=1e8, damping=300.0)
-    ),
-)
+MOUNTING = Mounting(housing=Housing(mass=0.5, stiffness=2e8, damping=4000.0), shaft=Shaft(stiffness=1e8, damping=300.0))
+MOUNTED = replace(RUNNING, mounting=MOUNTING)
 
 
 @pytest.mark.parametrize("angles", ["kinematic", "free"])
@@ -261,8 +257,7 @@ def random_state(rng):
         x_rate=rng.uniform(-1.0, 1.0), y_rate=rng.uniform(-1.0, 1.0), rho_rate=rng.uniform(-1.0, 1.0, N),
         theta_rate=rng.uniform(-400.0, 400.0, N),
         tilts=motion.Tilts(
-            tilt=rng.uniform(-5e-3, 5e-3, N),
-            tilt_rate=rng.uniform(-200.0, 200.0, N),
+            tilt=rng.uniform(-5e-3, 5e-3, N), tilt_rate=rng.uniform(-200.0, 200.0, N),
             slope_x=rng.uniform(-3e-3, 3e-3), slope_y=rng.uniform(-3e-3, 3e-3),
             slope_x_rate=rng.uniform(-100.0, 100.0), slope_y_rate=rng.uniform(-100.0, 100.0),
         ),
@@ -337,9 +332,8 @@ WAVE = [{"body": "inner_ring", "order": 40, "amplitude_um": 0.3}]
 
 def falls_of(laws, state, touch):
     slopes = motion.misalignments(touch, state.tilts)[:2]
-    return list(
-        map(motion.falls, map(motion.met, laws, (touch.inner, touch.outer), slopes, touch.surfaces), touch.surfaces)
-    )
+    met = map(motion.met, laws, (touch.inner, touch.outer), slopes, touch.surfaces)
+    return list(map(motion.falls, met, touch.surfaces))
 
 
 def test_forces_over_spalls_and_waves_are_the_gradient_of_the_energy():
@@ -544,10 +538,4 @@ def test_they_are_of_second_order_at_least(damping):
 
 def test_exponential():
     x = np.concatenate([np.linspace(-690.0, 690.0, 997), [0.0, 1e-300, -1e-17, 0.3465, -0.3466]])
-    found = np.array([_exponential(each) for each in x])
-    np.testing.assert_allclose(found, np.exp(x), rtol=4e-16, atol=0.0)
-
-
-@kernel
-def _exponential(x):
-    return exponential(x)
+    np.testing.assert_allclose([*map(kernel(exponential), x)], np.exp(x), rtol=4e-16, atol=0.0)

@@ -359,25 +359,20 @@ def test_rollers_that_only_their_weight_presses_find_their_place(clearance_um, m
     kit.within(found.inner_force[loose], weight[loose], 1e-4)  # LOOSE_SPRING, 0.1 mm
 
 
-@kernel
-def _spread_forces(points, spread, row, j):
-    return spread_forces(points, spread, row, j)
-
-
 def test_points_in_contact_are_found_as_by_another_method():
     """Against non-negative least squares of the factored problem (Lawson and Hanson), also where a wave parts them."""
     laws = spread_model(2.5e-4).laws
     some, full = points(laws, LOAD, 5), toeplitz(laws[0].missing_compliance)
-    x, root = np.linspace(-1.0, 1.0, some.closing.size), np.linalg.cholesky(full)
+    x, root, find = np.linspace(-1.0, 1.0, some.closing.size), np.linalg.cholesky(full), kernel(spread_forces)
     for shape in (0.1 - x**2, 0.05 - x**2 + 0.02 * x, 0.25 * np.cos(12.0 * x) - 2.0 * x**2, -1.0 - x**2):
         some.closing[:] = 1e-6 * shape
-        energy = _spread_forces(some, some.spread, 0, 0)
+        energy = find(some, some.spread, 0, 0)
         wanted, _ = nnls(root.T, np.linalg.solve(root, some.closing))
         kit.within(some.force, wanted, 1e-7 * max(wanted.max(), 1e-9))
         assert energy == pytest.approx(0.5 * wanted @ full @ wanted, rel=1e-6, abs=1e-15)
     some = points((laws[0],) * 3, LOAD, 5)
     some.closing[:] = 1e-5
-    _spread_forces(some, some.spread, 0, 0)
+    find(some, some.spread, 0, 0)
     assert np.isnan(some.force).any(), "a contact wider than its points is not a number"
 
 

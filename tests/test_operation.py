@@ -248,7 +248,6 @@ def test_values_beside_tables_are_refused_and_a_scene_s_text_and_its_files_give_
     assert parse_scene_text(text, "shown").operation.speed_rpm == 1000.0
     with pytest.raises(SceneError, match="its text is not here"):
         parse_scene_text(text, "elsewhere", {})
-    assert "table" not in Scene().to_toml() and "unbalance" not in Scene().to_toml()
 
 
 @pytest.mark.parametrize("model", MODELS)

@@ -29,7 +29,7 @@ from lagrange.scene.scene import Scene, parse_scene, parse_scene_text, parse_sto
 from residual.measured.diagnosis import Geometry, diagnose
 from residual.measured.signals import Signal
 from tests.reference import kit
-from tests.reference.compiled import simulation
+from tests.reference.compiled import Motion
 from tests.reference.forward_motion import simulate as reference
 from tests.reference.kit import PAPER, RAMP, assert_same_bits, balance_of, caged, housing_left, rest_of_run
 
@@ -484,7 +484,7 @@ def test_momentum_of_hub_elements_cage_and_housing_is_what_the_load_gives(guide)
     # springs to the ground are next to nothing: every force but the load has its counterpart
     slack = Mounting(housing=Housing(mass=0.5, stiffness=1e-9, damping=0.0))
     operation, laws = replace(scene.ideal_operation(), mounting=slack, gravity=0.0), contact_laws("harris", bearing)
-    going = simulation(Problem(bearing, operation, laws, start="rest", angles="free", cage=scene.ideal_cage()))
+    going = Motion(Problem(bearing, operation, laws, start="rest", angles="free", cage=scene.ideal_cage()))
 
     def momentum():
         """Of all that moves, half a step before, N s, x + iy"""

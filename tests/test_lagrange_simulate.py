@@ -22,7 +22,7 @@ from lagrange.scene.scene import Scene
 from lagrange.statics import Placement, static_equilibrium, tilted_equilibrium
 from lagrange.surface.deviation import Turns
 from tests.reference import forward_motion
-from tests.reference.compiled import COMPARED, assert_right, compiled, simulation
+from tests.reference.compiled import COMPARED, Motion, assert_right, compiled
 from tests.reference.forward_motion import derived_equations, simulate
 from tests.reference.kit import DGBB_209, DOWN, HARRIS, PAPER, PRELOADED, RUNNING, spall, wavy
 
@@ -280,13 +280,9 @@ def test_equations_with_tilt_are_those_that_computer_algebra_derives():
         acc *= np.repeat([1e5, 1e5, 1e6, 1e8, 0.0, 1e8], [2, N, N, N, N, 2])  # guides let no roller skew
         ax, ay, *more = np.split(acc, [1, 2, 2 + N, 2 + 2 * N, 2 + 3 * N, 2 + 4 * N])
         rho_acc, theta_acc, tilt_acc, _, b_acc = more
-        expected = np.array(derive(
-            parameters,
-            [state.x, state.y, *state.rho, *state.theta, *t.tilt, *np.zeros(N), t.slope_x, t.slope_y],
-            [state.x_rate, state.y_rate, *state.rho_rate, *state.theta_rate, *t.tilt_rate, *np.zeros(N),
-             t.slope_x_rate, t.slope_y_rate],
-            acc,
-        ))  # fmt: skip
+        places = [state.x, state.y, *state.rho, *state.theta, *t.tilt, *np.zeros(N), t.slope_x, t.slope_y]
+        rates = [state.x_rate, state.y_rate, *state.rho_rate, *state.theta_rate, *t.tilt_rate, *np.zeros(N)]
+        expected = np.array(derive(parameters, places, [*rates, t.slope_x_rate, t.slope_y_rate], acc))
         touch = motion.contact_state(b, LAWS, state)
         of_tilt, of_skew = motion.tilt_equations(b, o, state, touch, tilt_acc, theta_acc)
         of_theta = motion.angular_equations(b, o, state, touch, theta_acc)
@@ -460,6 +456,7 @@ RIGHT = {  # problems, and how they are compared
     # lanes that are left over change nothing
     **{f"{count} rollers": (problem(replace(PAPER, n_rollers=count)), {}) for count in (3, 8, 9)},
     "waves": (problem(replace(PAPER, faults=wavy())), {}),
+    "balls on waves": (problem(replace(DGBB_209, faults=wavy()), "hertz"), {"count": 21}),
 }
 
 
@@ -498,7 +495,7 @@ def test_a_solution_in_parts_has_the_bits_of_the_whole(start, kept):
     """Cut at any sample, and with `kept` gone on with from what a file would hold; the first by what takes no step."""
     what = problem(**IN_PARTS[start])
     samples = 16 if "surfaces" in start else 101
-    whole, going, parts = compiled(what, samples), simulation(what), []
+    whole, going, parts = compiled(what, samples), Motion(what), []
     for count in (1, 1, samples // 2, 2, samples - samples // 2 - 4):
         going = going.gone_on() if kept else going
         parts.append(going.advance(count))
@@ -514,7 +511,7 @@ def test_a_solution_in_parts_has_the_bits_of_the_whole(start, kept):
 
 def test_an_overflow_keeps_what_came_before_it():
     """On surfaces, where a place that is no number must not become one in memory."""
-    going = simulation(problem(replace(PAPER, faults=wavy()), start="rest"), 1e-2, 1e-2)
+    going = Motion(problem(replace(PAPER, faults=wavy()), start="rest"), 1e-2, 1e-2)
     part = going.advance(2000)
     assert going.trouble.startswith("the motion overflowed by t = ")
     assert 0 < part.time.size == going.state.done < 2000

@@ -134,6 +134,9 @@ def wave(body, order, *more):
     pytest.param(wave("roller", 6, "waviness.0.roller=3"), 6, 1e-5, marks=slow),
     pytest.param(("unequal_roller.0.roller=1", "unequal_roller.0.diameter_deviation_um=2"), 6, 1e-5, marks=slow),
     (("spall.0.angle_deg=4", "spall.0.width_mm=1"), 6, 1e-3),
+    # both soft edges are crossed under load; measured 3e-5 at most
+    (("spall.0.angle_deg=3", "spall.0.width_mm=0.4"), 0.8, 2e-4),
+    (("spall.0.body=inner_ring", "spall.0.angle_deg=-5", "spall.0.width_mm=0.4"), 0.8, 2e-4),
 ])  # fmt: skip
 def test_energy_balances_on_perfect_surfaces_and_others(settings, duration, limit):
     length = f"numerics.duration_ms={duration}", "numerics.output_interval_us=10"

@@ -194,7 +194,7 @@ def power(depth):
     return STIFFNESS * np.maximum(depth, 0.0) ** EXPONENT
 
 
-def test_a_law_and_damping_beside_it_are_found_again_and_a_damper_never_pulls():
+def test_a_law_and_damping_beside_it_are_found_again():
     """The part held back is not seen."""
     force = power(DEPTH)
     found = fit_law(DEPTH, force, bridge=5)
@@ -212,11 +212,7 @@ def test_a_law_and_damping_beside_it_are_found_again_and_a_damper_never_pulls():
     force = np.where(DEPTH > 0.0, np.maximum(power(DEPTH) + noise, 0.0), 0.0)
     found = fit_law(DEPTH, force, bridge=5, closing_speed=SPEED)
     assert found.damping.low < 0.0 < found.damping.high < found.damping.low + 100.0
-    # a damper pushes only where the spring does and never pulls; passages bridge chatter
-    spring = PowerLaw(name="true", stiffness=1.0, exponent=1.0, source="")
-    law = DampedLaw(spring=spring, damping=ContactDamping(constant=2.0))
-    found = law.pushes(np.array([1.0, 1.0, 1.0, -1.0]), np.array([0.5, -0.2, -3.0, 5.0])).force
-    np.testing.assert_array_equal(found, [2.0, 0.6, 0.0, 0.0])
+    # passages bridge chatter
     closed = np.zeros((20, 2), dtype=bool)
     closed[2:6, 0] = closed[8:12, 0] = closed[16:, 0] = True
     number = passage_numbers(closed, bridge=2)

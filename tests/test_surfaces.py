@@ -258,10 +258,6 @@ def test_statics_with_a_ball_over_a_shallow_spall_are_the_least_of_the_energy():
     assert_allclose(found.inner_force, forces, rtol=1e-3, atol=0.5)
 
 
-def test_balls_on_waves_move_as_the_reference_has_them():
-    compiled.assert_right(Problem(replace(DGBB_209, faults=kit.wavy()), RUNNING, HERTZ), count=21)
-
-
 @slow  # compiles a loop
 def test_balls_strike_in_a_spall_at_the_ball_pass_frequency_and_keep_the_energy():
     bearing = {"type": "ball", "rollers": 9, "roller_diameter_mm": 12.7, "roller_length_mm": 19.0,

@@ -18,7 +18,6 @@ from fem.solver.rigid.state import LagrangianState
 from fem.solver.solver import Samples
 from lagrange import BallBearing
 from lagrange.first_state import Problem
-from lagrange.mounting import ENERGIES
 from lagrange.step_size import longest_step
 from tests.reference.forward_motion import simulate
 from tests.reference.kit import arrays, copies, model, operation, paper, resolved_model, soft, within
@@ -161,7 +160,6 @@ class Motion:
         cage = {name.removeprefix("cage_"): value for name, value in values.items() if name.startswith("cage_")}
         return SimpleNamespace(
             **values, energy_error=found.imbalance, cage=SimpleNamespace(**cage), time_step=self.time_step,
-            energy_moved=values["energy_kinetic"] + sum(values[name] for name in ENERGIES if name in values),
             inner_damper=values["inner_damping_force"], outer_damper=values["outer_damping_force"],
             work_damping=values["work_damping_contact"], steps=round(values["time"][-1] / self.time_step),
         )  # fmt: skip
@@ -173,9 +171,6 @@ class Motion:
         found.state.done = self.state.done
         found.state.take_back({name: array.copy() for name, array in arrays.items()}, numbers)
         return found
-
-
-simulation = Motion
 
 
 def compiled(problem: Problem, count: int, interval: float = 1e-5, time_step: float | None = None) -> SimpleNamespace:

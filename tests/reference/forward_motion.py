@@ -9,20 +9,10 @@ import numpy as np
 import sympy as sp
 from scipy.integrate import solve_ivp
 
+from lagrange import motion as equations
 from lagrange.columns import columns_of
 from lagrange.first_state import Problem, sampled
 from lagrange.kinematics import kinematics, roller_angles, turned
-from lagrange.motion import (
-    State,
-    Tilts,
-    accelerations,
-    contact_state,
-    housing_accelerations,
-    hub_slope_equations,
-    roller_inertias,
-    rotation_energy,
-    tilt_equations,
-)
 from lagrange.mounting import PARTS
 from lagrange.surface.deviation import Turns
 
@@ -154,20 +144,20 @@ class Motion:
         tilts = *(PLACE * angles), *(RATE * angles)
         return np.array([*(PLACE * ways), *(RATE * ways), *tilts, *np.full(WORKS, WORK), PLACE, RATE])
 
-    def _tilts(self, unknowns: np.ndarray) -> Tilts | None:
+    def _tilts(self, unknowns: np.ndarray) -> equations.Tilts | None:
         if self.problem.axial is None:
             return None
         n = self.n
         tilt, (bx, by), rate, (vx, vy) = np.split(unknowns[8 + 4 * n : 12 + 6 * n], [n, n + 2, 2 * n + 2])
-        return Tilts(tilt=tilt.T, tilt_rate=rate.T, slope_x=bx, slope_y=by, slope_x_rate=vx, slope_y_rate=vy)
+        return equations.Tilts(tilt=tilt.T, tilt_rate=rate.T, slope_x=bx, slope_y=by, slope_x_rate=vx, slope_y_rate=vy)
 
-    def state(self, time, unknowns: np.ndarray) -> State:
+    def state(self, time, unknowns: np.ndarray) -> equations.State:
         """Generalised coordinates at a time, s, or of unknowns, (n_unknowns, n_times), at times, (n_times,)."""
         bearing, operation, n = self.problem.bearing, self.problem.operation, self.n
         when = np.asarray(time)[..., None]
         (x, y, ring_x, ring_y), rho, off = np.split(unknowns[: 4 + 2 * n], [4, 4 + n])
         (vx, vy, ring_vx, ring_vy), rho_rate, off_rate = np.split(unknowns[4 + 2 * n : 8 + 4 * n], [4, 4 + n])
-        return State(
+        return equations.State(
             x=x, y=y, rho=bearing.pitch_radius + rho.T,
             theta=self.first + turned(bearing, operation, when).cage + off.T, x_rate=vx, y_rate=vy, rho_rate=rho_rate.T,
             theta_rate=kinematics(bearing, *operation.at(when).ring_speeds).cage + off_rate.T,
@@ -180,9 +170,9 @@ class Motion:
         problem, n, places = self.problem, self.n, 4 + 2 * self.n
         bearing, history = problem.bearing, problem.operation.history
         state, acting = self.state(time, unknowns), problem.acting(time)
-        touch = contact_state(bearing, problem.contacts, state, problem.damping)
-        ring = housing_accelerations(bearing, acting, state, touch)
-        x, y, rho, theta = accelerations(bearing, acting, state, touch, ring)
+        touch = equations.contact_state(bearing, problem.contacts, state, problem.damping)
+        ring = equations.housing_accelerations(bearing, acting, state, touch)
+        x, y, rho, theta = equations.accelerations(bearing, acting, state, touch, ring)
         gain = 0.0 if history is None else float(kinematics(bearing, *history.ring_speeds(time, 1)).cage)
         vx, vy = state.x_rate + state.ring_x_rate, state.y_rate + state.ring_y_rate
         driven = np.sum(touch.inner_force * touch.inner_passing + touch.outer_force * touch.outer_passing)
@@ -199,16 +189,16 @@ class Motion:
         found = np.empty_like(unknowns)
         tilts, hub = state.tilts, problem.hub_tilt
         if tilts is not None and hub is not None:
-            inertia, first = roller_inertias(bearing)[0], 2 * places
+            inertia, first = equations.roller_inertias(bearing)[0], 2 * places
             if not self.held:  # guides push back on what turns rollers: m ρ² θ̈ = … + τ (guide's moment)
                 turning = bearing.roller_mass * state.rho**2
-                _, guide = tilt_equations(bearing, acting, state, touch, 0.0, 0.0)
+                _, guide = equations.tilt_equations(bearing, acting, state, touch, 0.0, 0.0)
                 theta = (turning * theta + tilts.tilt * guide) / (turning + inertia * tilts.tilt**2)
-            left, guide = tilt_equations(bearing, acting, state, touch, 0.0, gain if self.held else theta)
+            left, guide = equations.tilt_equations(bearing, acting, state, touch, 0.0, gain if self.held else theta)
             driven -= np.sum(state.theta_rate * tilts.tilt * guide) if self.held else 0.0
             found[first : first + n + 2] = unknowns[first + n + 2 : first + 2 * n + 4]
             found[first + n + 2 : first + 2 * n + 2] = -left / inertia
-            slopes = np.array(hub_slope_equations(bearing, acting, hub, state, touch, 0.0, 0.0))
+            slopes = np.array(equations.hub_slope_equations(bearing, acting, hub, state, touch, 0.0, 0.0))
             found[first + 2 * n + 2 : first + 2 * n + 4] = -slopes / hub.inertia if hub.is_free else 0.0
         found[:places] = unknowns[places : 2 * places]
         found[places : places + 4] = x - ring[0], y - ring[1], *ring
@@ -262,7 +252,7 @@ def simulate(problem: Problem, duration: float, interval: float) -> SimpleNamesp
     if housing is not None:
         carrying = housing.mass + bearing.outer_ring_mass
         lift = lift + (operation.inner_mass + bearing.n_rollers * bearing.roller_mass + carrying) * state.ring_y
-    rotation = rotation_energy(bearing, operation.at(time)) + zero
+    rotation = equations.rotation_energy(bearing, operation.at(time)) + zero
     work_gravity, work_cage = -operation.gravity * (lift - lift[0]), driven + rotation - rotation[0]
     energy = sum(part[f"energy_{name}"] for name in ("kinetic", "contact", "shaft", "support"))
     work_external, lost = load + work_gravity + work_cage, by_contacts + by_dashpots

@@ -93,8 +93,6 @@ def test_a_loop_that_is_not_compiled_makes_the_same_run(model, tmp_path):
 
 # Times to expect are scaled by what runs have taken on this machine
 
-needs_compiler = pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
-
 
 def plan_of(*settings):
     return make_plan(read_scene(None, settings))
@@ -151,7 +149,7 @@ def test_a_run_is_remembered_and_the_next_plan_says_so(kept, tmp_path, capsys, m
     assert f"about {took:.2g} s" in told and "timed here" not in told
 
 
-@needs_compiler
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
 def test_a_piece_of_a_compiled_run_tells_how_long_it_and_its_compilation_take(kept, capsys, monkeypatch):
     plan, short = plan_of("model=reduced", "numerics.duration_ms=2"), "--model reduced --duration 2 --dry-run".split()
     plan.prepare()

@@ -31,6 +31,7 @@ from tests.reference import compiled, kit
 from tests.reference.compiled import DT, press, random_state, roller_field, set_turns
 from tests.reference.continua import impact_on_rigid_flat
 from tests.reference.kit import LENGTH, ON_A_ROLLER, STEEL, copies, model, paper, within
+from tests.verification.rolling import OBLIQUE
 from tests.verification.runs import WIDE, collide
 
 ALONE = ("roller u", "centre", "turn", "inner u", "outer u", "hub", "ring turn")
@@ -405,9 +406,6 @@ def test_reference_impact_is_the_quasi_static_one():
     for speed, *wanted in ((0.1, 0.333e-6, 193.0, 10.34e-6), (1.0, 3.008e-6, 2156.0, 9.31e-6)):
         found = impact_on_rigid_flat(speed, 0.005, LENGTH, paper().roller_mass, STEEL.plane_strain_modulus)
         within((np.array(found) - wanted) / (5e-10, 0.5, 6e-9), 0.0, 1.0)
-
-
-OBLIQUE = ([1.0, 0.2], [-0.4, -0.1])  # m/s
 
 
 def energy_and_loss(found):

@@ -21,7 +21,7 @@ from residual.figures import save
 from residual.figures.run import search
 from residual.findings import reported_angle, search_sentences, unseen, unseen_in_words
 from residual.record import Record
-from tests.reference.kit import PAPER, RUNNING, whole_run
+from tests.reference.kit import PAPER, RUNNING, sets, whole_run
 
 OUTER = Place(body="outer_ring", roller=None, radius=28e-3)
 PLACES = ("inner_x", "inner_y", "roller_x", "roller_y")
@@ -167,10 +167,9 @@ def test_only_the_deepest_place_of_a_map_that_stands_out_does_and_arcs_that_were
 @pytest.mark.usefixtures("plain_report")
 def test_the_command_prints_and_writes_what_it_found(tmp_path, capsys):
     path, folder = tmp_path / "run.nc", tmp_path / "run-residual"
-    settings = "model=reduced numerics.duration_ms=20 numerics.output_interval_us=10 spall.0.width_mm=0.6 "
-    settings += "spall.0.angle_deg=20"
-    sets = [word for each in settings.split() for word in ("--set", each)]
-    assert run_main([*sets, "--output", str(path), "--quiet"]) == 0 and main([str(path), "--find-faults"]) == 0
+    spalled = "numerics.output_interval_us=10", "spall.0.width_mm=0.6", "spall.0.angle_deg=20"
+    assert run_main([*sets("model=reduced", *spalled), "--duration", "20", "--output", str(path), "--quiet"]) == 0
+    assert main([str(path), "--find-faults"]) == 0
     assert "Found a spall on the outer ring" in capsys.readouterr().out
     (spall,) = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["faults"]
     (left, right), (low, high) = spall["angle_interval_deg"], spall["width_interval_mm"]

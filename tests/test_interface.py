@@ -35,8 +35,7 @@ def test_a_result_saves_the_file_that_run_fem_writes(changes, tmp_path):
         for name in variables_of(scene):
             assert mine[name][:].tobytes() == command[name][:].tobytes() == result[name].tobytes(), name
         assert set(mine) == set(command)
-        own_times = {"wall_seconds", "setup_seconds"}
-        for name in set(command.attrs) - own_times:
+        for name in set(command.attrs) - {"wall_seconds", "setup_seconds"}:
             assert np.array_equal(mine.attrs[name], command.attrs[name]), name
         for name in mine.get("events", ()):
             assert np.array_equal(mine["events"][name][:], command["events"][name][:]), name

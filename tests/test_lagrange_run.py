@@ -20,10 +20,9 @@ from tests.reference.compiled import FLOORS
 from tests.reference.forward_motion import simulate
 from tests.reference.synthetic_run import report_of
 
-ROOT = Path(__file__).resolve().parent.parent
 LOAD = 2000.0  # N, the paper's
 BUDGET = 1e-9 * LOAD
-PAGE = (ROOT / "docs" / "lagrange.md").read_text(encoding="utf-8")
+PAGE = Path(__file__).parents[1].joinpath("docs", "lagrange.md").read_text(encoding="utf-8")
 # the 209 deep-groove ball bearing of Harris' examples, grooves of 52 %, as the documentation has it
 BALLS = next(block for block in PAGE.split("```toml\n") if block.startswith('name = "209"')).split("```")[0]
 

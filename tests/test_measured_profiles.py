@@ -30,11 +30,10 @@ def scene_with(folder, text, *lines):
 
 
 BODIES = {
-    "outer ring": ('body = "outer_ring"', "outer"),
-    "inner ring": ('body = "inner_ring"', "inner"),
+    "outer ring": ('body = "outer_ring"', "outer"), "inner ring": ('body = "inner_ring"', "inner"),
     "roller outside": ('body = "roller"\nroller = 3', "outer"),
     "roller inside": ('body = "roller"\nroller = 3', "inner"),
-}
+}  # fmt: skip
 
 
 def sinkage(scene, raceway, angle):

@@ -152,10 +152,8 @@ def at_ratio(tables, ratio):
 
 COARSE = {"numerics": {"mesh_size_mm": 2.0}}
 FEW = COARSE | {
-    "bearing": {
-        "rollers": 5, "roller_diameter_mm": 20.0, "roller_length_mm": 20.0, "inner_raceway_diameter_mm": 30.0,
-        "outer_raceway_diameter_mm": 69.98, "bore_diameter_mm": 15.0, "outside_diameter_mm": 90.0,
-    },
+    "bearing": {"rollers": 5, "roller_diameter_mm": 20.0, "roller_length_mm": 20.0, "inner_raceway_diameter_mm": 30.0,
+                "outer_raceway_diameter_mm": 69.98, "bore_diameter_mm": 15.0, "outside_diameter_mm": 90.0},
     "operation": {"speed_rpm": -12_000.0, "radial_load_N": 15_000.0, "inner_ring_and_shaft_kg": 0.5},
     "cage": {"kind": "none"}, "contact": {"friction_coefficient": 0.3},
 }  # fmt: skip

@@ -74,10 +74,8 @@ def test_a_hub_balanced_on_one_roller_starts_without_velocity_and_the_run_says_s
 def test_a_loaded_start_keeps_the_velocity_of_its_equilibrium_and_says_nothing():
     problem = problem_of({"operation": {"radial_load_N": 2000.0, "first_roller_deg": 5.0}})
     (state, warning), shift = problem.first_state, 1e-5
-    ahead, behind = (
-        static_equilibrium(problem.bearing, problem.operation, problem.laws, angles=state.theta + turn)
-        for turn in (shift * state.theta_rate, -shift * state.theta_rate)
-    )
+    angles, given = state.theta, (problem.bearing, problem.operation, problem.laws)
+    ahead, behind = (static_equilibrium(*given, angles=angles + way * state.theta_rate) for way in (shift, -shift))
     assert warning is None and state.x_rate == pytest.approx((ahead.x - behind.x) / (2.0 * shift), rel=1e-3)
     assert state.y_rate == pytest.approx((ahead.y - behind.y) / (2.0 * shift), rel=1e-3)
 

@@ -28,6 +28,7 @@ from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium
 from fem.statics.exact_statics import exact_statics
 from lagrange import Material, contact_laws
+from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import parse_scene, parse_scene_text
 from meshes import Disc
@@ -199,6 +200,7 @@ def test_all_elastic_is_the_default_and_contacts_wider_than_the_mesh_need_elasti
 
 def test_laws_that_know_the_material_know_a_rigid_body():
     """Half the compliance is a contact modulus twice as large; the one with a rigid roller is the ring's alone."""
+    assert contact_pairs(bearing_with(["rollers"]))[2] == contact_pairs(paper())[2], "but two rigid rollers are elastic"
     elastic, rigid = (contact_laws("houpert", bearing) for bearing in (paper(), bearing_with(["rollers"])))
     assert rigid.inner.stiffness == pytest.approx(2.0 * elastic.inner.stiffness, rel=1e-12)
     for names in ALLOWED:

@@ -132,23 +132,19 @@ def random_scene(seed: int, number: int, duration_ms: float, budget: float = BUD
     rest = chance(0.5)
     return {
         "name": f"seed {seed} number {number}",
-        "bearing": {
-            "rollers": n, "roller_diameter_mm": d, "roller_length_mm": length, "inner_raceway_diameter_mm": inner,
-            "outer_raceway_diameter_mm": outer, "bore_diameter_mm": bore, "outside_diameter_mm": outside,
-        },
+        "bearing": {"rollers": n, "roller_diameter_mm": d, "roller_length_mm": length,
+                    "inner_raceway_diameter_mm": inner, "outer_raceway_diameter_mm": outer,
+                    "bore_diameter_mm": bore, "outside_diameter_mm": outside},
         "material": {
             body: {"youngs_modulus_GPa": moduli[i], "density_kg_m3": densities[i], "poisson_ratio": poisson[i]}
             for i, body in enumerate(("roller", "inner_ring", "outer_ring"))
         },
-        "operation": {
-            "speed_rpm": speed, "radial_load_N": load, "inner_ring_and_shaft_kg": ring_mass * spread(1.05, 5.0),
-            "gravity_m_s2": 0.0 if chance(0.1) else 9.81, "first_roller_deg": uniform(-180.0, 180.0),
-        },
+        "operation": {"speed_rpm": speed, "radial_load_N": load,
+                      "inner_ring_and_shaft_kg": ring_mass * spread(1.05, 5.0),
+                      "gravity_m_s2": 0.0 if chance(0.1) else 9.81, "first_roller_deg": uniform(-180.0, 180.0)},
         "contact": {"friction_coefficient": 0.0 if chance(0.2) else uniform(*RANGES["friction_coefficient"])},
-        "numerics": {
-            "duration_ms": duration_ms, "start": "rest" if rest else "equilibrium",
-            "load_ramp_ms": uniform(0.1, 2.0) if chance(0.5) else 0.0, "mesh_size_mm": mesh, "time_step_safety": safety,
-        },
+        "numerics": {"duration_ms": duration_ms, "start": "rest" if rest else "equilibrium", "mesh_size_mm": mesh,
+                     "load_ramp_ms": uniform(0.1, 2.0) if chance(0.5) else 0.0, "time_step_safety": safety},
     }  # fmt: skip
 
 

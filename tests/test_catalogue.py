@@ -120,11 +120,10 @@ def test_every_section_has_rings_and_room_balls_their_model_and_rollers_meshes_o
         assert scene_of(name).numerics.mesh_size_mm == size, name
 
 
-@pytest.mark.parametrize(
-    ("written", "clearance"),
-    [("NU 206", 32.5), ("nu206", 32.5), ("NU206ECP", 32.5), ("NU 206 ECP/C3", 47.5), ("NU206-C2", 12.5),
-     ("NU206ECJ/C4", 62.5), ("NU206EC5", 82.5), ("NU206/CN", 32.5)],
-)  # fmt: skip
+@pytest.mark.parametrize(("written", "clearance"), [
+    ("NU 206", 32.5), ("nu206", 32.5), ("NU206ECP", 32.5), ("NU 206 ECP/C3", 47.5), ("NU206-C2", 12.5),
+    ("NU206ECJ/C4", 62.5), ("NU206EC5", 82.5), ("NU206/CN", 32.5),
+])  # fmt: skip
 def test_a_designation_is_known_as_people_write_it(written, clearance):
     """Clearances: the middles of ISO 5753-1's groups for bores over 24 up to 30 mm."""
     scene = scene_of(written)

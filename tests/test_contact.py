@@ -379,9 +379,8 @@ def test_tractions_push_the_nodes_that_the_springs_are_calibrated_with():
     rubbed, *_ = compiled.rub(state)
     whole, traction, patches = model(paper(), 1e-3), rubbed.contacts.friction.traction, rubbed.contacts.patches
     scale, forces = np.abs(traction).sum(), rubbed.contacts.forces.force
-    gained = {
-        name: getattr(rubbed.bodies, name).w - getattr(state.bodies, name).w for name in ("inner", "outer", "disc")
-    }
+    names = "inner", "outer", "disc"
+    gained = {name: getattr(rubbed.bodies, name).w - getattr(state.bodies, name).w for name in names}
     for name, kind, turn in (("inner", INNER, rubbed.drive.frame[0]), ("outer", OUTER, 0.0)):
         body, angle = getattr(whole, f"{name}_ring"), np.arctan2(*patches.normal[kind, ::-1, :13]) - turn
         pushes = (T * points.patch_traction(body, a) for T, a in zip(traction[kind, :13], angle, strict=True))

@@ -105,9 +105,8 @@ def test_a_uniform_traction_twists_a_disc_that_speeds_up():
 def test_short_waves_move_a_body_as_they_do_a_half_plane_and_a_ring_is_fixed_where_held(ring):
     n = np.array([500, 2000, 20_000])
     half_plane = 2.0 * ring[0] / (STEEL.plane_strain_modulus * n)
-    assert np.all(
-        np.abs(plane_compliance(Section(*ring, STEEL), n) / half_plane - 1.0) < 0.3 / n
-    )  # (κ−1)/(κ+1) = 0.286
+    off = plane_compliance(Section(*ring, STEEL), n) / half_plane - 1.0
+    assert np.all(np.abs(off) < 0.3 / n)  # (κ−1)/(κ+1) = 0.286
     if t := ring[1] / ring[0]:
         n = np.concatenate((np.arange(1, 200), [1000, 20_000]))
         weights = annulus_weights(n, t, KAPPA, PRESSURE)

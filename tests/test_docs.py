@@ -130,14 +130,11 @@ def printed(*changes):
     return {"check-vibration record.npz": text}
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "found"),
-    [
-        ("232.66", "232.66", 0), ("232.66", "232.67", 0),  # a unit of the last digit
-        ("232.66", "232.68", 1), ("outer_ring. The", "none. The", 1), ("-1.38 %", "-1.38 °", 1),
-        ("Record: 0.5 s\n", "", 0), ("60 ms in 0.91 s\n", "", 1), ("0.91 s\n", "0.91 s\nWarning: steel yields\n", 1),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("old", "new", "found"), [
+    ("232.66", "232.66", 0), ("232.66", "232.67", 0),  # a unit of the last digit
+    ("232.66", "232.68", 1), ("outer_ring. The", "none. The", 1), ("-1.38 %", "-1.38 °", 1),
+    ("Record: 0.5 s\n", "", 0), ("60 ms in 0.91 s\n", "", 1), ("0.91 s\n", "0.91 s\nWarning: steel yields\n", 1),
+])  # fmt: skip
 def test_a_changed_verdict_word_or_digit_is_found(old, new, found):
     assert len(list(documented.differences(SHOWN, printed((old, new))))) == found
 

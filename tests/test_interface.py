@@ -146,10 +146,9 @@ def test_a_scene_that_follows_takes_the_last_one_s_mesh_and_gets_the_same_bits()
         assert mine.tobytes() == other.tobytes(), name
 
 
-@pytest.mark.parametrize(
-    ("unit", "value", "told"),
-    [("m", -1.537e-5, "what: -15.37 µm"), ("rad/s", tau, "what: 1 Hz"), ("m/s2", 19.6133, "what: 2 g"),
-     ("N/m", 2.5e8, "what: 250 N/µm"), ("rad", pi, "what: 180 °"), ("1", 0.25, "what: 0.25"), ("N", 3.0, "what: 3 N")],
-)  # fmt: skip
+@pytest.mark.parametrize(("unit", "value", "told"), [
+    ("m", -1.537e-5, "what: -15.37 µm"), ("rad/s", tau, "what: 1 Hz"), ("m/s2", 19.6133, "what: 2 g"),
+    ("N/m", 2.5e8, "what: 250 N/µm"), ("rad", pi, "what: 180 °"), ("1", 0.25, "what: 0.25"), ("N", 3.0, "what: 3 N"),
+])  # fmt: skip
 def test_a_quantity_prints_in_words_and_in_the_unit_that_engineers_read(unit, value, told):
     assert str(Quantity("q", unit, "what", value)) == told

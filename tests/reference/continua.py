@@ -171,9 +171,7 @@ class EdgeContact:
         while sum(steps) < beside:
             steps.append(min(COARSE, GROWTH * steps[-1]))
         arc = half_opening - FINE * np.arange(int(0.25 * edge_radius / FINE), 0, -1)
-        bounds = np.concatenate(
-            [arc, [half_opening], half_opening + np.cumsum(steps)]
-        )  # nothing touches farther inside
+        bounds = np.concatenate([arc, [half_opening], half_opening + np.cumsum(steps)])  # none touches farther inside
         self.low, self.high = np.append(-bounds[:0:-1], bounds[:-1]), np.append(-bounds[-2::-1], bounds[1:])
         factor = 2.0 * compliance / abs(1.0 / radius + 1.0 / roller_radius)
         unit = 0.5 * exp(level - 0.5 + 0.5 * log(factor))  # δ = A Q (½ + ln(2 unit/b)), b² = factor·Q

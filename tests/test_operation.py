@@ -305,7 +305,8 @@ def test_the_checker_knows_every_load_and_turns_forces_at_edges_by_the_spring_al
     spall = {"body": "inner_ring", "width_mm": 0.5, "angle_deg": 10.0}
     scene = Scene(model="lagrange", spall=[spall], damping={"hunt_crossley_s_m": 0.8}, operation={"speed_rpm": 9000.0})
     run = compiled.solved(problem(scene, damping=ContactDamping(hunt_crossley=0.8)), 2e-3, 2e-6)
-    record = replace(record_of(scene, run), inner_damping_force=run.inner_damper, outer_damping_force=run.outer_damper)
+    dampers = {name: getattr(run, name) for name in ("inner_damping_force", "outer_damping_force")}
+    record = replace(record_of(scene, run), **dampers)
     for direction in evaluate(record).directions:
         assert np.abs(direction.budget.terms["ring_flexibility"]).max() < 1e-6  # N, of 2000: what no term explains
 

@@ -159,8 +159,7 @@ class Motion:
         values = found.values
         cage = {name.removeprefix("cage_"): value for name, value in values.items() if name.startswith("cage_")}
         return SimpleNamespace(
-            **values, energy_error=found.imbalance, cage=SimpleNamespace(**cage), time_step=self.time_step,
-            inner_damper=values["inner_damping_force"], outer_damper=values["outer_damping_force"],
+            **values, energy_error=found.imbalance, cage=SimpleNamespace(**cage),
             work_damping=values["work_damping_contact"], steps=round(values["time"][-1] / self.time_step),
         )  # fmt: skip
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from math import degrees
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from markupsafe import Markup
@@ -32,9 +32,6 @@ from residual.sampling import PositionNoise, Stationarity
 from residual.spectrum import MAIN_LOBE, Level, Peak, Statistics, power_spectrum, rms
 from residual.store import Page, write_folder
 from residual.vibration import FaultLine, LineLevel, Vibration
-
-if TYPE_CHECKING:
-    pass
 
 PROGRAM = "check-residual"
 TEMPLATES = Path(__file__).parent / "templates"

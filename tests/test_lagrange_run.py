@@ -195,9 +195,9 @@ def test_a_law_measured_on_steel_is_warned_of_on_other_materials(tmp_path, capsy
 
 def test_an_energy_that_has_gone_astray_is_told_of():
     state = make_plan(read_scene(None, ("model=lagrange",))).first_state()
-    state.energy_scale[0], state.missed[0] = 2.0, 0.0198
+    state.energy_scale[0], state.energy_error[0] = 2.0, 0.0198
     assert state.warnings == ()
-    state.missed[0] = 0.052  # at any sample: most of it may be gone at the end
+    state.energy_error[0] = 0.052  # at any sample: most of it may be gone at the end
     assert "off by up to 2.6 %" in state.warnings[0] and state.warnings[0] in state.outcome_attributes["warnings"]
 
 

@@ -609,7 +609,7 @@ def test_strikes_are_those_of_short_steps_throughout(model, case):
     state, other = plan.first_state(), (short := replace(plan, sections=None)).first_state()
     found, wanted = whole_run(plan, state, said := []), whole_run(short, other, said)
     assert not said
-    errors = [each.missed[0] / each.energy_scale[0] for each in (state, other)]
+    errors = [each.energy_error[0] / each.energy_scale[0] for each in (state, other)]
     assert state.paces.made.min() > 0 and max(errors) < energy
     for a, b in ((found[name], wanted[name]) for name in columns.split()):  # over what is wanted about its mean
         assert np.sqrt(np.mean((a - b) ** 2) / np.mean((b - b.mean(axis=0)) ** 2)) < limit

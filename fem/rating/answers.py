@@ -568,7 +568,7 @@ BLOCKS: dict[str, tuple[Row, ...]] = {
         ("minimum_load_N", "N", "minimum radial load", s.LEAST_LOAD,
          lambda c: equivalent.least_load(c.basic.dynamic, c.balls)),
         ("permitted_axial_load_N", "N", "permitted axial load", s.FLANGES, lambda c: c.flange_limit()),
-        ("speed_rpm", "1/min", "relative ring speed", s.LOAD, lambda c: c.rpm),
+        ("speed_rpm", "1/min", "relative ring speed", s.SCENE, lambda c: c.rpm),
         ("hub_displacement_um", "µm", "hub at x, y, z", s.IN_SPACE, lambda c: 1e3 * c.in_space.hub[:3]),
         ("hub_tilt_mrad", "mrad", "tilt of the hub", s.IN_SPACE, lambda c: 1e3 * c.in_space.hub[3]),
         ("moment_on_hub_N_m", "N m", "moment that holds it", s.IN_SPACE,

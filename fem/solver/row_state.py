@@ -97,7 +97,7 @@ class RowState(RunState):
         """Stand at the start of the plan."""
         self.reader = SampleReader(self.plan)
         self.largest = np.zeros(3)  # N, so far: see `largest_forces`
-        self.missed, self.energy_scale = np.zeros(1), np.zeros(1)  # J, the largest energy error, what it is measured by
+        self.energy_error, self.energy_scale = np.zeros(1), np.zeros(1)  # J, the largest, and what it is measured by
         self._out_of_place = False  # whether the last block ended because bodies were out of place
 
     @abstractmethod
@@ -170,7 +170,7 @@ class RowState(RunState):
             sound = looked.at(slice(count))
             self.largest[:] = np.maximum(self.largest, guards.largest_forces(sound))
             if count:
-                self.missed[0] = max(self.missed[0], np.abs(sound.error).max())
+                self.energy_error[0] = max(self.energy_error[0], np.abs(sound.error).max())
                 self.energy_scale[0] = sound.energy_scale[-1]
             samples = sound.at(slice(None, None, plan.looks))
             self.done += len(samples)
@@ -204,14 +204,14 @@ class RowState(RunState):
 
     @property
     def warnings(self):
-        found, missed, energy_scale = (
+        found, error, energy_scale = (
             guards.run_warnings(self.plan.bearing, self.largest),
-            self.missed[0],
+            self.energy_error[0],
             self.energy_scale[0],
         )
-        if missed > guards.DOUBTFUL * energy_scale:
+        if error > guards.DOUBTFUL * energy_scale:
             found += (
-                f"the energy balance is off by up to {100.0 * missed / energy_scale:.2g} % of what is exchanged "
+                f"the energy balance is off by up to {100.0 * error / energy_scale:.2g} % of what is exchanged "
                 f"({1e3 * energy_scale:.3g} mJ): the motion may be off by as much; {self.plan.finer}",
             )
         return found
@@ -219,7 +219,7 @@ class RowState(RunState):
     def kept_arrays(self) -> dict[str, np.ndarray]:
         """What a checkpoint keeps, as views: the arrays of the loop and of all that watches them."""
         reader, account = self.reader, self.reader.account.sums
-        watched = {"largest": self.largest, "missed": self.missed, "energy_scale": self.energy_scale}
+        watched = {"largest": self.largest, "energy_error": self.energy_error, "energy_scale": self.energy_scale}
         return self.named_arrays() | watched | {"angle": reader.angle, "base": reader.base, "account": account}
 
     def to_keep(self):

@@ -7,13 +7,10 @@ costs the same at any number of slices, and conserves energy as the plane law do
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy import ndarray
-
-if TYPE_CHECKING:
-    pass
 
 SPAN = 4  # coefficients that a cubic B-spline adds up in a point
 FAINT = 1e-20  # m/N: less, a spline's ringing beside edges, moves no contact

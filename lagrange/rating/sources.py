@@ -36,7 +36,7 @@ DYNAMIC = Source("ISO 281",
     "1.3 f_c (i cos α)^0.7 Z^(2/3) D_w^1.8", f"{_ONE}; b_m not compared with the source")
 KNOWN = Source("as stated", "C and C0 as given or by the maker's catalogue; C_u by ISO 281 from that C0, or given")
 STATIC = Source("ISO 76",
-    "2006, C0 = 44 (1 − D_we cos α/D_pw) i Z L_we D_we cos α; of balls f_0 i Z D_w² cos α; s0 = C0/P0, P0 = F_r",
+    "2006, C0 = 44 (1 − D_we cos α/D_pw) i Z L_we D_we cos α; of balls f_0 i Z D_w² cos α; s0 = C0/P0",
     _RECALLED)
 LOAD = Source("ISO 281",
     "2007 tables 3 and 7, P = X F_r + Y F_a; of flanged cylindrical rollers SKF's e = 0.2, X = 0.92, Y = 0.6 (series "
@@ -58,9 +58,8 @@ FATIGUE = Source("ISO 281",
 A_ISO = Source("ISO 281", "2007 (34) to (36), radial roller bearings; (31) to (33), radial ball bearings",
     f"{_PROGRAMS}; those of balls not compared with the source")
 CONTAMINATION = Source("ISO 281", "annex A, in-line filtered oil, β6(c) ≥ 200", _RECALLED)
-REFERENCE = Source("ISO/TS 16281", "2008 (38) to (65): laminae, rigid rings", _PROGRAMS)
-OF_BALLS = Source("ISO/TS 16281", "2008 (19) to (29): each ball's own contact angle, rigid rings",
-    f"{_PROGRAMS}; lives as those of a third")
+REFERENCE = Source("ISO/TS 16281",
+    "2008 (38) to (65), rollers in laminae; (19) to (29), balls at their own contact angles; rigid rings", _PROGRAMS)
 MODIFIED_REFERENCE = Source("ISO 16281",
     "2025 (31), (33): a_ISO of each lamina's load; of balls of P_ref = C/L10r^(1/3)", _ONE)
 LOAD_SHARING = Source("ISO/TS 16281", "2008 (58) to (65) with the roller loads of elastic rings", _PROGRAMS)

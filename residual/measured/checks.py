@@ -212,10 +212,8 @@ def check_record(path: Path, against: Path | None, question: Question, healthy: 
 
     InputError: a record, bearing or speed that can't be used; a scene that run-fem refuses or fails at.
     """
-    tolerance, scene = (
-        question.tolerance,
-        against if against is not None and against.suffix.lower() == ".toml" else None,
-    )
+    tolerance = question.tolerance
+    scene = against if against is not None and against.suffix.lower() == ".toml" else None
     if scene is not None and geometry_of(question) is None:
         question = replace(question, scene=scene)
     if healthy is not None:

@@ -508,10 +508,10 @@ class LagrangianState(RigidState):
 
     @property
     def warnings(self):
-        found, missed, energy_scale = self.judge.warnings(self.largest), self.missed[0], self.energy_scale[0]
-        if missed > guards.ENERGY_TOLERANCE * energy_scale:
+        found, error, energy_scale = self.judge.warnings(self.largest), self.energy_error[0], self.energy_scale[0]
+        if error > guards.ENERGY_TOLERANCE * energy_scale:
             found += (
-                f"the energy balance is off by up to {100.0 * missed / energy_scale:.2g} % of the largest exchanged "
+                f"the energy balance is off by up to {100.0 * error / energy_scale:.2g} % of the largest exchanged "
                 f"energy: the step of {1e6 * self.plan.time_step:.3g} µs is too long for impacts and dampers; single "
                 "impacts are off by as much",
             )

@@ -39,8 +39,8 @@ from lagrange.errors import UsageError
 from lagrange.files.hdf5 import Damaged, hdf5_to_write
 from lagrange.kinematics import roller_angles
 from lagrange.motion import HubTilt, roller_inertias, sliced_laws
+from lagrange.rating.axial_load import rigid_loads
 from lagrange.rating.life import Dimensions
-from lagrange.rating.reference_life import rigid_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.scene import Scene, read_scene
 from lagrange.scene.faults import SceneError

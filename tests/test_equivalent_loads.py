@@ -10,6 +10,7 @@ from fem.interface import rating
 from fem.rating.answers import Options, values_of
 from lagrange.rating import equivalent, life
 from lagrange.rating import reference_life as rl
+from lagrange.rating.axial_load import rigid_loads
 from lagrange.rating.life import Dimensions, DutyCycle
 from lagrange.scene.scene import read_scene
 from tests.reference.kit import read_json, sets
@@ -131,14 +132,14 @@ def test_modified_lives_of_laminae_weigh_each_by_its_own_load():
     """ISO 16281:2025 (31): of a half-loaded row without clearance and profile the load of every lamina is 0.323/0.378
     of F_r, less what its edges are stressed more."""
     capacity, met = life.dynamic_capacity(ROW), []
-    loads = rl.rigid_loads(ROW, 2000.0, profile=False).loads
+    loads = rigid_loads(ROW, 2000.0, profile=False).loads
     basic = rl.reference_life(ROW, capacity, loads)
     assert rl.reference_life(ROW, capacity, loads, a_iso=lambda load: 3.0) == pytest.approx(3.0 * basic)
     found = rl.reference_life(ROW, capacity, loads, a_iso=lambda load: met.append(load) or 1.0 + 2000.0 / load)
     assert len(met) == rl.LAMINAE and met[20] == pytest.approx(2000.0 * 0.323 / 0.378, rel=0.02)
     edges = rl.edge_factor() / rl.edge_factor()[20]
     assert met == pytest.approx(list(met[20] * edges), rel=1e-6) and basic < found
-    tilted = rl.rigid_loads(ROW, 2000.0, tilt=4e-3).loads
+    tilted = rigid_loads(ROW, 2000.0, tilt=4e-3).loads
     short = rl.reference_life(ROW, capacity, tilted, a_iso=lambda load: 1.0 + 2000.0 / load)
     assert short < found and short > rl.reference_life(ROW, capacity, tilted)
 

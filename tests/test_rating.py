@@ -33,8 +33,9 @@ from lagrange.first_state import equilibrium_state
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.rating import life
 from lagrange.rating import reference_life as rl
+from lagrange.rating.axial_load import rigid_loads
 from lagrange.rating.life import Dimensions, DutyCycle, basic_life, dynamic_capacity, life_modification
-from lagrange.rating.reference_life import edge_factor, rigid_loads
+from lagrange.rating.reference_life import edge_factor
 from lagrange.rating.sources import SCENE, Unavailable
 from lagrange.rating.stiffness import lagrangian_pitch
 from lagrange.scene.scene import read_scene

@@ -22,10 +22,10 @@ from lagrange.fits import growths, outer_growth
 from lagrange.kinematics import kinematics
 from lagrange.mounting import HELD
 from lagrange.rating import equivalent, life, reference_life, sources
-from lagrange.rating.axial_load import Balance, at_rest
+from lagrange.rating.axial_load import Balance, LaminaLoads, at_rest, rigid_loads
 from lagrange.rating.equivalent import Factors
 from lagrange.rating.life import Basic, Dimensions, DutyCycle, Torque, in_hours, reference_viscosity, reliability_factor
-from lagrange.rating.reference_life import LaminaLoads, RunLoads
+from lagrange.rating.reference_life import RunLoads
 from lagrange.rating.sources import NotAsked, Source, Unavailable
 from lagrange.rating.stiffness import SAMPLES, Pitch, lagrangian_pitch
 from lagrange.scene.faults import RPM
@@ -229,7 +229,7 @@ class Case:
         """The standard's load distribution, roller 0 at an angle from the load, rad.
         `slope` : rad, of the shaft, `profile` : of `rigid_loads`; None: the scene's; `load` : None: P"""
         self.refuse_space()
-        return reference_life.rigid_loads(
+        return rigid_loads(
             self.row, self.section_load if load is None else load / load_factor(self.bearing),
             2e3 * self.bearing.radial_clearance, self.operation.misalignment if slope is None else slope,
             profile=self.profile if profile is None else profile, first=first)  # fmt: skip

@@ -9,8 +9,9 @@ import numpy as np
 from fem.rating.answers import Case, positive
 from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import roller_angles
+from lagrange.rating.axial_load import rigid_loads
 from lagrange.rating.life import FRICTION, power_loss
-from lagrange.rating.reference_life import positions, rigid_loads
+from lagrange.rating.reference_life import positions
 from lagrange.rating.sources import Unavailable
 from residual.figures import LOOK, WIDTH, Drawing, finished
 from residual.formatting import BLUE, GREEN, GREY, ORANGE, RED

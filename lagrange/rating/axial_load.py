@@ -30,7 +30,7 @@ from lagrange.contact.laws import ContactLaws, PowerLaw
 from lagrange.errors import exceeds
 from lagrange.kinematics import roller_angles
 from lagrange.rating.life import Dimensions
-from lagrange.rating.reference_life import laminae_of
+from lagrange.rating.reference_life import LAMINAE, laminae_of
 from lagrange.rating.sources import Unavailable
 
 STEPS = 400  # of Newton's method; ten are usual
@@ -219,6 +219,37 @@ def balanced(rows: Sequence[BallRow | RollerRow], load: ndarray, free: Sequence[
         if np.max(np.abs(step)) <= NEAREST * diameter:
             return found
     raise Unavailable(f"no equilibrium within {STEPS} steps")
+
+
+class LaminaLoads(NamedTuple):
+    """Loads of laminae, (n_rollers, n_laminae), N, under which rigid rings are in equilibrium."""
+
+    loads: ndarray
+    displacement: float  # δ_r, mm
+    moment: float  # that holds the tilt, N mm
+
+    @property
+    def of_rollers(self) -> ndarray:
+        """(n_rollers,), N."""
+        return self.loads.sum(axis=1)
+
+
+def rigid_loads(
+    row: Dimensions, load: float, clearance=0.0, tilt=0.0, *, profile=True, laminae=LAMINAE, first=0.0
+) -> LaminaLoads:
+    """Load distribution of ISO/TS 16281 (38) to (46): rigid rings, a radial load, N, and a prescribed tilt, rad.
+
+    load, clearance : of one row's section: F_r/(i cos α), N; s cos α, diametral, mm
+    profile : of `laminae_of`
+    first : rad, of roller 0 from the load
+    """
+    place = first - 0.5 * np.pi + 2.0 * np.pi * np.arange(row.rollers) / row.rollers
+    slices: Any = laminae_of(row, profile, laminae)
+    one = RollerRow(place=place, diameter=row.diameter, pitch=0.5 * row.pitch, angle=0.0, law=slices.law,
+                    gap=0.5 * clearance, along=slices.place, drop=slices.drop)  # fmt: skip
+    found = balanced([one], np.array([0.0, -load, 0.0, 0.0, 0.0]), [False, True, False, False, False],
+                     np.array([0.0, 0.0, 0.0, tilt, 0.0]))  # fmt: skip
+    return LaminaLoads(found.rows[0].inner, -float(found.hub[1]), float(found.force[3]))
 
 
 def rows_of(

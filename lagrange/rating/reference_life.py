@@ -1,6 +1,7 @@
 """Basic reference rating life of ISO/TS 16281 for line contact, rollers cut into laminae. mm, N; lives in 10⁶ rev.
 
-The standard's own load distribution is that of rigid rings; any other, as of elastic rings, may be put in its place.
+The standard's own load distribution is that of rigid rings, `axial_load`; any other, as of elastic rings, may be put in
+its place.
 
 A run's own roller loads and dissipation may stand in the place of assumed ones.
 """
@@ -20,7 +21,6 @@ from lagrange.rating.sources import Unavailable
 LAMINAE = 40  # n_s; the standard asks for 30 at least
 EXPONENT = 10.0 / 9.0  # of the load of a lamina over its approach
 STIFFNESS = 35948.0  # c_L/L_we^(8/9), N/mm^(10/9)/mm^(8/9), both contacts of a steel roller
-STEPS = 100  # of Newton's method; five are usual
 
 
 def positions(row: Dimensions, laminae: int = LAMINAE) -> ndarray:
@@ -38,45 +38,6 @@ def laminae_of(row: Dimensions, profile: bool | ndarray = True, laminae: int = L
     if not isinstance(profile, ndarray):
         profile = 2.0 * logarithmic_drop(x, row.length, row.diameter) if profile else np.zeros(laminae)
     return Slices(law=law, place=x, drop=profile)
-
-
-class LaminaLoads(NamedTuple):
-    """Loads of laminae, (n_rollers, n_laminae), N, under which rigid rings are in equilibrium."""
-
-    loads: ndarray
-    displacement: float  # δ_r, mm
-    moment: float  # that holds the tilt, N mm
-
-    @property
-    def of_rollers(self) -> ndarray:
-        """(n_rollers,), N."""
-        return self.loads.sum(axis=1)
-
-
-def rigid_loads(
-    row: Dimensions, load: float, clearance=0.0, tilt=0.0, *, profile=True, laminae=LAMINAE, first=0.0
-) -> LaminaLoads:
-    """Load distribution of ISO/TS 16281 (38) to (46): rigid rings, a radial load, N, and a prescribed tilt, rad.
-
-    load, clearance : of one row's section: F_r/(i cos α), N; s cos α, diametral, mm
-    profile : of `laminae_of`
-    first : rad, of roller 0 from the load
-
-    Source: ISO/TS 16281:2008, δ_jk = δ_j − x_k tan ψ_j − 2 P(x_k).
-    """
-    roller, cos = laminae_of(row, profile, laminae), np.cos(first + 2.0 * np.pi * np.arange(row.rollers) / row.rollers)
-    slope, delta = np.tan(tilt) * cos, max(clearance, 0.0) + 1e-3 * row.diameter
-    # the force is convex in δ: Newton's method comes from above
-    while roller.sums(delta * cos - 0.5 * clearance, slope).force @ cos < load:
-        delta *= 2.0
-    for _ in range(STEPS):
-        here = roller.at(delta * cos - 0.5 * clearance, slope)
-        step = (here.force @ cos - load) / (here.stiffness @ cos**2)
-        delta -= step
-        if abs(step) <= 1e-14 * row.diameter:
-            break
-    force = roller.forces(delta * cos - 0.5 * clearance, slope)
-    return LaminaLoads(loads=force, displacement=float(delta), moment=-float(cos @ (force @ roller.place)))
 
 
 def shared_out(row: Dimensions, loads: ndarray) -> ndarray:

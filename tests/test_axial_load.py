@@ -251,3 +251,13 @@ def test_a_mirrored_pair_is_rated_under_the_scene_s_own_loads():
     assert [found[f"{name}_N"] for name in ("radial_load", "axial_load", "weight")] == pytest.approx([2000, 1500, 20])
     assert found.case.balance.force == pytest.approx([0.0, -2020.0, 1500.0, 20e3, 0.0], abs=1e-5)
     assert found["contact_angle_range_deg"][0] < 40.0 < found["contact_angle_range_deg"][1]
+
+
+def test_a_pair_whose_other_row_is_open_lives_as_the_row_alone():
+    sizes = "rollers=17 roller_diameter_mm=13 roller_length_mm=22 pitch_diameter_mm=83 contact_angle_deg=14"
+    loads = "radial_load_N=4000 axial_load_N=5000 gravity_m_s2=0"
+    keys = [f"bearing.{key}" for key in sizes.split()] + [f"operation.{key}" for key in loads.split()]
+    pair = ("bearing.rows=2", "bearing.arrangement=back_to_back", "bearing.row_distance_mm=30")
+    alone, both = rating(read_scene(None, keys)), rating(read_scene(None, (*keys, *pair)))
+    assert not both.case.balance.rows[1].loads.any()
+    assert both["L10r_Mrev"] == pytest.approx(alone["L10r_Mrev"], rel=1e-9)

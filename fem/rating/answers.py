@@ -258,8 +258,9 @@ class Case:
             loads = np.stack([row.loads for row in rows])
             found = reference_life.ball_reference_life(self.bearing, capacity, loads, turning=self.turning)
             return found if a_iso is None else found * a_iso(self.reference_load)
-        lives = [self.reference_life(row.inner, row.outer, a_iso) for row in rows]
-        return float(np.mean(np.power(lives, -9 / 8))) ** (-8 / 9)
+        lives = [self.reference_life(row.inner, row.outer, a_iso) for row in rows if row.loads.any()]  # others are open
+        damage = positive(sum(each ** (-9 / 8) for each in lives), "the rating life is infinite")
+        return (damage / len(rows)) ** (-8 / 9)
 
     @property
     def contacts_in_words(self) -> str:
